@@ -1,0 +1,36 @@
+// Triangle mesh -> distance grid: exact distances, signs by the generalised winding number.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "voml/grid.h"
+#include "voml/mesh.h"
+#include "voml/result.h"
+
+namespace dmvv::authoring {
+
+struct GridOptions {
+  std::uint32_t resolution = 64;  ///< samples along the longest side of the grid's box, 4..512
+  double padding = 0.05;          ///< empty border around the mesh, as a share of its longest side, 0..1
+  bool fit = true;                ///< scale the mesh (uniformly, centred) so that it with its padding fills the standard cube
+  unsigned threads = 0;           ///< 0: as many as there are cores; never changes the result
+};
+
+struct GridReport {
+  std::size_t open_edges = 0;
+  double cube_from_mesh_scale = 1.0;         ///< cube = scale * mesh + offset
+  glm::dvec3 cube_from_mesh_offset{0.0};
+};
+
+/// Distances in units of the standard cube, negative inside, at the cell centres of a box that holds the mesh and its
+/// padding (clipped to the cube).
+///
+/// Sign: negative where the generalised winding number exceeds 1/2 (Jacobson et al. 2013), evaluated hierarchically
+/// (Barill et al. 2018); holes and stray shells do not flip it, a mesh turned inside out as a whole is turned back.
+/// Errors (input): a mesh without extent; a mesh that leaves the cube when `fit` is off.
+/// Cost: O(samples * log triangles).
+Result<voml::Grid> distance_grid(const voml::Mesh& mesh, const GridOptions& options, GridReport& report,
+                                 const std::function<void(double done)>& progress = {});
+
+}  // namespace dmvv::authoring

@@ -1,0 +1,32 @@
+# How every library of the project is set up: dmvv_library(name SOURCES... ) makes target dmvv_<name>, alias dmvv::<name>.
+
+add_library(dmvv_warnings INTERFACE)
+target_compile_options(dmvv_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow $<$<BOOL:${DMVV_WERROR}>:-Werror>)
+add_library(dmvv_sanitize INTERFACE)
+if(DMVV_SANITIZE)
+  target_compile_options(dmvv_sanitize INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+  target_link_options(dmvv_sanitize INTERFACE -fsanitize=address,undefined)
+endif()
+
+function(dmvv_library name)
+  add_library(dmvv_${name} STATIC ${ARGN})
+  add_library(dmvv::${name} ALIAS dmvv_${name})
+  set_target_properties(dmvv_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_compile_features(dmvv_${name} PUBLIC cxx_std_20)
+  target_include_directories(dmvv_${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/dmvv>)
+  target_link_libraries(dmvv_${name} PRIVATE $<BUILD_INTERFACE:dmvv_warnings> $<BUILD_INTERFACE:dmvv_sanitize>)
+endfunction()
+
+# dmvv_test(name LABEL SOURCES... LIBS libs): a doctest executable registered with CTest as `name`.
+function(dmvv_test name)
+  cmake_parse_arguments(ARG "" "LABEL" "SOURCES;LIBS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES} ${PROJECT_SOURCE_DIR}/tests/doctest_main.cpp)
+  target_link_libraries(${name} PRIVATE ${ARG_LIBS} doctest::doctest dmvv_warnings dmvv_sanitize)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  target_compile_definitions(${name} PRIVATE
+    DMVV_SOURCE_DIR="${PROJECT_SOURCE_DIR}" DMVV_BINARY_DIR="${CMAKE_BINARY_DIR}")
+  add_test(NAME ${name} COMMAND ${name} --no-intro)
+  set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABEL}")
+endfunction()

@@ -1,0 +1,40 @@
+// Module -> Program: passes, flatten, pack_atlas, generate_glsl, to_spirv in their order.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compiler/module.h"
+#include "compiler/program.h"
+#include "voml/result.h"
+
+namespace dmvv::compiler {
+
+struct CompileOptions {
+  Codegen codegen = Codegen::specialised;
+  TexelFormat atlas_format = TexelFormat::r32f;  ///< of distance grids: r32f or r16f
+  std::uint32_t max_extent_3d = 2048;            ///< of the device that will run the program
+  std::uint64_t max_storage_buffer = 128u << 20;
+  std::uint32_t inlined_line_budget = 1000;      ///< beyond it, specialised code hands objects over to the generic walker
+  std::vector<std::string> disabled_passes;      ///< names of pass_names()
+};
+
+/// The passes that can be switched off, in the order they run: name and one sentence.
+struct PassInfo {
+  std::string_view name;
+  std::string_view what;
+};
+const std::vector<PassInfo>& pass_names();
+
+/// Runs the passes and generates records, textures and GLSL; no SPIR-V yet.
+/// Errors: E0301, E0302, E0303 as diagnostics; then the result is empty.
+/// Cost: linear in the scene, except index building (cells) and atlas packing (grids squared).
+std::optional<Program> compile(Module module, const CompileOptions& options, Diagnostics& diagnostics);
+
+/// Compiles one kernel's GLSL to SPIR-V 1.5 for Vulkan 1.2 with glslang and checks it with spirv-val.
+/// Errors: text that does not compile or validate is a bug of the generator; the error carries both logs.
+Result<void> to_spirv(Program& program, Kernel kernel);
+
+}  // namespace dmvv::compiler

@@ -1,0 +1,96 @@
+// What the compiler hands to the runtime: bytes, textures, SPIR-V and the table that binds them. Plain data.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <string>
+#include <vector>
+
+namespace dmvv::compiler {
+
+enum class Codegen : std::uint8_t {
+  specialised,  ///< the scene is the program
+  table,        ///< records and one generic loop, as the thesis does it
+};
+
+/// The entry points of a program; each is a compute shader of its own (interfaces: shaders/points.comp, pixels.comp).
+enum class Kernel : std::uint8_t {
+  points,  ///< points in a buffer -> region, path and colour of each
+  pixels,  ///< surface positions in images -> colour and region of each pixel
+};
+inline constexpr std::size_t kernel_count = 2;
+
+enum class TexelFormat : std::uint8_t { r32f, r16f, rgba16f };
+std::size_t bytes_per_texel(TexelFormat format);
+
+/// A storage buffer of descriptor set 0.
+struct Buffer {
+  std::string name;
+  std::uint32_t binding;
+  std::vector<std::byte> bytes;  ///< never empty
+};
+
+/// A 3D texture of descriptor set 0 (combined image sampler, linear, clamped to the edge, no mipmaps).
+struct Texture {
+  std::string name;
+  std::uint32_t binding;
+  glm::uvec3 extent;
+  TexelFormat format;
+  std::vector<std::byte> texels;  ///< x fastest; extent.x * extent.y * extent.z * bytes_per_texel
+};
+
+/// Legend of one region.
+struct RegionInfo {
+  std::uint32_t number;  ///< what pictures store; 0 for a region that is empty
+  std::string object;
+  std::string region;
+  std::string kind;  ///< "color", "bitmap", "empty"
+  glm::dvec3 rgb;    ///< color only
+  double opacity;
+};
+
+/// One level of the way from the root object to the region that answered.
+struct PathStep {
+  std::uint32_t region;     ///< index into Program::regions (and Module::regions)
+  std::uint32_t candidate;  ///< the region's candidate that was entered; unused in the last step
+  friend bool operator==(const PathStep&, const PathStep&) = default;
+};
+
+/// What a scene is at one point.
+struct PointAnswer {
+  std::uint32_t number = 0;    ///< region number; 0: empty
+  std::vector<PathStep> path;  ///< root first; without any step where empty
+  glm::dvec4 rgba{0.0};        ///< straight alpha, sRGB as shown; 0 where empty
+  bool finished = true;        ///< false: the device ran out of loop rounds, nothing else is valid
+};
+
+/// "ORANGE:R.INNER[0]/ORANGE_SECTION:R.PULP"; empty for an empty path.
+std::string format_path(const std::vector<RegionInfo>& regions, const std::vector<PathStep>& path);
+
+/// What compiling did and what the shader is expected to cost; printed by `--dump stats`.
+struct Statistics {
+  std::uint32_t objects = 0, sdfs = 0, nodes = 0, regions = 0, candidates = 0, seeds = 0;
+  std::uint32_t depth = 0;
+  std::uint64_t buffer_bytes = 0, texture_bytes = 0;
+  double atlas_fill = 0.0;  ///< share of the grid atlas that holds samples or borders
+  std::uint32_t glsl_lines = 0;
+  std::uint32_t inlined_lines = 0;  ///< estimate of the kernel after inlining
+  std::vector<std::string> object_codegen;  ///< "ORANGE: specialised", ... with the reason where it was cut
+};
+
+struct Program {
+  Codegen codegen = Codegen::specialised;
+  std::vector<Buffer> buffers;
+  std::vector<Texture> textures;
+  std::string glsl[kernel_count];
+  std::vector<std::uint32_t> spirv[kernel_count];  ///< empty for a kernel that was not asked for
+  std::vector<RegionInfo> regions;                 ///< every region of the module, in its order
+  std::uint32_t depth = 1;                         ///< most steps a path can have
+  Statistics statistics;
+
+  const std::vector<std::uint32_t>& code(Kernel kernel) const { return spirv[static_cast<std::size_t>(kernel)]; }
+};
+
+}  // namespace dmvv::compiler

@@ -1,0 +1,45 @@
+// The ground truth: evaluates a Module at points in double precision, on the CPU.
+#pragma once
+
+#include <memory>
+
+#include "compiler/module.h"
+#include "compiler/program.h"
+
+namespace dmvv::compiler {
+
+/// A point's answer, and whether float32 arithmetic must come to the same.
+struct ReferenceAnswer : PointAnswer {
+  /// True if every decision on the way (distances, boxes, cubes, tile borders) is farther from its threshold than the
+  /// error bound of float32 evaluation (spec/accuracy.md): a shader must then give the same region and path.
+  bool certain = true;
+};
+
+/// Evaluates points one by one. Thread-safe after construction.
+class Reference {
+ public:
+  struct Options {
+    bool use_index = true;  ///< lookup grids for long lists of seeds and candidates; never changes an answer
+  };
+
+  /// Keeps a reference to `module`, which must outlive it. Cost: building the lookup grids.
+  explicit Reference(const Module& module);
+  Reference(const Module& module, Options options);
+  Reference(Reference&&) noexcept;
+  ~Reference();
+
+  /// The scene at `p`, root coordinates. Allocation-free but for the path.
+  ReferenceAnswer evaluate(const glm::dvec3& p) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Trilinear sample of a grid at a point of the standard cube, cell-centred, clamped to the outer centres.
+double sample(const voml::Grid& grid, const glm::dvec3& q);
+
+/// The legend of a module's regions, in its order.
+std::vector<RegionInfo> legend(const Module& module);
+
+}  // namespace dmvv::compiler

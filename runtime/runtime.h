@@ -1,0 +1,93 @@
+// Program -> pictures, region ids, depth, point values. The only part that knows Vulkan; nothing here shows it.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "compiler/program.h"
+#include "runtime/view.h"
+#include "voml/mesh.h"
+#include "voml/result.h"
+
+namespace dmvv::runtime {
+
+struct DeviceOptions {
+  std::string name;         ///< part of a device's name, any case; empty: the first discrete GPU, else integrated, else CPU
+  bool validation = false;  ///< Khronos validation layer on; its messages are collected
+  bool cache = true;        ///< false: the driver's shader cache is switched off for this process (--no-cache)
+};
+
+/// Limits of a device that a program must respect, in the units of the Vulkan specification.
+struct DeviceInfo {
+  std::string name;
+  std::string kind;  ///< "discrete", "integrated", "virtual", "cpu"
+  std::string driver;
+  std::string api_version;  ///< "1.3.230"
+  std::uint32_t max_extent_3d;
+  std::uint64_t max_storage_buffer;
+};
+
+/// Milliseconds of named steps, in order.
+struct Timing {
+  std::string step;
+  double ms;
+};
+using Timings = std::vector<Timing>;
+
+/// An open Vulkan device. Movable; everything made from it must be destroyed before it.
+class Device {
+ public:
+  /// Errors (environment): no Vulkan driver (names the Debian package), no device of that name (lists those there are),
+  /// no validation layer (names the package).
+  static Result<Device> create(const DeviceOptions& options);
+
+  const DeviceInfo& info() const;
+  /// All messages of the validation layer so far; empty if it is off or has nothing to say.
+  std::vector<std::string> validation_messages() const;
+
+  struct Impl;
+  explicit Device(std::unique_ptr<Impl> impl);
+  Device(Device&&) noexcept;
+  Device& operator=(Device&&) noexcept;
+  ~Device();
+  Impl& impl() const { return *impl_; }
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Every device Vulkan offers, in the order `create` would prefer them.
+Result<std::vector<DeviceInfo>> list_devices();
+
+/// A program on a device: its buffers and textures uploaded, its pipelines made when first needed.
+class Evaluator {
+ public:
+  /// Errors: input fault if the program exceeds a limit of the device (names the limit and both numbers), environment
+  /// fault if memory is short or the driver fails (VkResult by name). Adds "upload" to `timings`.
+  static Result<Evaluator> create(Device& device, const compiler::Program& program, Timings* timings = nullptr);
+
+  /// The scene at points in root coordinates (rounded to float32). Answers in the order of the points.
+  /// Needs the points kernel. Errors: environment; input if the device ran out of loop rounds at some point.
+  Result<std::vector<compiler::PointAnswer>> probe(std::span<const glm::dvec3> points, Timings* timings = nullptr);
+
+  /// One picture. Needs the pixels kernel. Adds "pipeline" (first use: the driver's compilation included, by an empty
+  /// dispatch) and "frame" to `timings`.
+  Result<Picture> render(const View& view, Timings* timings = nullptr);
+
+  struct Impl;
+  explicit Evaluator(std::unique_ptr<Impl> impl);
+  Evaluator(Evaluator&&) noexcept;
+  Evaluator& operator=(Evaluator&&) noexcept;
+  ~Evaluator();
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace dmvv::runtime

@@ -1,0 +1,86 @@
+// What to look at: camera, support mesh, cuts, slices; and what comes back. Pure values and geometry, no device.
+#pragma once
+
+#include <cstdint>
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "voml/mesh.h"
+#include "voml/result.h"
+
+namespace dmvv::runtime {
+
+/// Perspective camera, root coordinates. fov_deg is the vertical angle of view.
+struct Camera {
+  glm::dvec3 eye{0.0, 0.0, 5.0};
+  glm::dvec3 look{0.0};
+  glm::dvec3 up{0.0, 1.0, 0.0};
+  double fov_deg = 30.0;
+};
+
+/// The plane n.x = d.
+struct Plane {
+  glm::dvec3 normal;
+  double d;
+};
+
+enum class Shading : std::uint8_t { none, lit };
+
+struct View {
+  glm::uvec2 size_px{1280, 720};
+  Camera camera;
+  const voml::Mesh* mesh = nullptr;  ///< support mesh; null: the standard cube
+  std::vector<Plane> cuts;           ///< n.x > d is taken away, the section is capped
+  std::optional<Plane> slice;        ///< a section instead of a perspective picture; camera, mesh, cuts are ignored
+  Shading shading = Shading::lit;    ///< slices are never lit
+  std::uint32_t samples = 1;         ///< per pixel along each axis; the picture is the mean of samples^2
+  bool want_regions = false;
+  bool want_depth = false;
+};
+
+struct Picture {
+  glm::uvec2 size_px{0};
+  std::vector<float> rgba;              ///< straight alpha, rows from the top, 0..1, sRGB as shown
+  std::vector<std::uint32_t> regions;   ///< if asked for; at sample (0, 0) of each pixel when samples > 1
+  std::vector<float> depth;             ///< if asked for: distance along the view direction, object units; infinity where empty
+  std::size_t open_edges = 0;           ///< of the support mesh when cut: caps of an open mesh may leak
+};
+
+/// "eye 3 2 4 look 0 0 0 fov 30", optional "up x y z"; words in any order, eye and look needed.
+Result<Camera> parse_camera(std::string_view text);
+/// "nx ny nz d", not all of n zero.
+Result<Plane> parse_plane(std::string_view text);
+/// "z=0" (x, y, z) or "nx ny nz d".
+Result<Plane> parse_slice(std::string_view text);
+/// "1280x720", 1..16384 each.
+Result<glm::uvec2> parse_size(std::string_view text);
+
+/// A camera from the front, right and above (toward (0.55, 0.45, 1) normalised) that frames `bounds` with a small margin at this
+/// aspect ratio; with cuts, it looks from the side that most of the cuts' normals face.
+Camera default_camera(const voml::Bounds& bounds, glm::uvec2 size_px, std::span<const Plane> cuts);
+
+/// Where the middle of pixel (0, 0) of a slice lies in root coordinates, and the steps to the right and down.
+/// The standard cube's whole width (2) fills the shorter side; up is +y, or +z if the plane's normal is along y.
+struct SliceFrame {
+  glm::dvec3 origin;
+  glm::dvec3 step_x;
+  glm::dvec3 step_y;
+};
+SliceFrame slice_frame(const Plane& plane, glm::uvec2 size_px);
+
+/// Writes a picture: .png (8 bit, straight alpha), .tif/.tiff (16 bit, straight), .exr (float, premultiplied as the format wants).
+/// Two writes of the same picture give the same bytes. By way of a temporary name.
+/// Errors: input fault for an unknown ending or a folder that does not exist.
+Result<void> write_picture(const std::string& path, const Picture& picture);
+/// Region numbers: .exr (one uint channel "region"), .png / .tif (16 bit grey; refused if a number exceeds 65,535).
+Result<void> write_regions(const std::string& path, const Picture& picture);
+/// Depth: .exr, one float channel "Z".
+Result<void> write_depth(const std::string& path, const Picture& picture);
+
+}  // namespace dmvv::runtime

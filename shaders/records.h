@@ -1,0 +1,137 @@
+// The GPU records, defined once for C++ and GLSL. Included by compiler/ and runtime/, and by every shader.
+//
+// Layout: std430; every struct is made of 16-byte rows, so C++ and GLSL agree without padding rules.
+#ifndef DMVV_SHADERS_RECORDS_H
+#define DMVV_SHADERS_RECORDS_H
+
+#ifdef __cplusplus
+#include <cstdint>
+#include <glm/vec4.hpp>
+namespace dmvv::gpu {
+using uint = std::uint32_t;
+using vec4 = glm::vec4;
+using uvec4 = glm::uvec4;
+#endif
+
+// ---- bindings of descriptor set 0: the scene (a program lists the ones it uses) ----
+#define DMVV_BIND_GRID_ATLAS 0
+#define DMVV_BIND_BITMAP_ATLAS 1
+#define DMVV_BIND_NODES 2
+#define DMVV_BIND_SDFS 3
+#define DMVV_BIND_REGIONS 4
+#define DMVV_BIND_GROUPS 5
+#define DMVV_BIND_PLACEMENTS 6
+#define DMVV_BIND_CELLS 7
+#define DMVV_BIND_LISTS 8
+#define DMVV_BIND_OBJECTS 9
+
+// ---- bindings of descriptor set 1 ----
+// kernel `points`
+#define DMVV_BIND_POINTS 0   // readonly vec4[count]: xyz root coordinates
+#define DMVV_BIND_ANSWERS 1  // writeonly uint[count * (DMVV_ANSWER_HEADER + 2 * depth)]
+// kernel `pixels`
+#define DMVV_BIND_POSITION 0  // rgba32f: xyz root coordinates of the visible surface, w 1 where there is one, else 0
+#define DMVV_BIND_NORMAL 1    // rgba16f: xyz unit normal towards the viewer, w unused
+#define DMVV_BIND_COLOR 2     // rgba32f out: straight alpha; 0 where there is nothing
+#define DMVV_BIND_REGION 3    // r32ui out: region number, 0 where empty
+
+#define DMVV_POINTS_GROUP_SIZE 64  // local_size_x of `points`
+#define DMVV_PIXELS_GROUP_SIZE 8   // local_size_x and _y of `pixels`
+
+// An answer of `points`: number, path length, rgba as float bits, then (region index, candidate) a level.
+#define DMVV_ANSWER_HEADER 6
+#define DMVV_UNFINISHED 0xffffffffu  // in place of a region number: the loop rounds of the device did not suffice
+
+// The high bit of a node reference says that it names a region.
+#define DMVV_REGION_BIT 0x80000000u
+
+#define DMVV_KIND_SINGLE 0u
+#define DMVV_KIND_SEEDED 1u
+#define DMVV_KIND_TILED 2u
+
+struct PointsParams {
+  uint count;
+  uint pad0, pad1, pad2;
+};
+
+struct PixelsParams {
+  vec4 bounds_lo;  // xyz: positions are clamped to these bounds (they lie in them but for rounding)
+  vec4 bounds_hi;
+  vec4 light;      // xyz: unit vector from the surface to the light, root frame; w: 1 lit, 0 unlit
+  uint width, height;
+  uint pad0, pad1;
+};
+
+// An affine map as three rows: q[i] = dot(row[i].xyz, p) + row[i].w.
+struct AffineRows {
+  vec4 x, y, z;
+};
+
+struct NodeRecord {
+  uint sdf;
+  uint positive;  // node, or region with DMVV_REGION_BIT
+  uint negative;
+  uint pad0;
+};
+
+// A grid's place in the atlas, and the box in which it is defined.
+//   texel = q * texel_scale + texel_offset, in normalised atlas coordinates
+struct SdfRecord {
+  vec4 box_lo;  // w: iso
+  vec4 box_hi;  // w unused
+  vec4 atlas_scale;
+  vec4 atlas_offset;
+  uint kind;             // DMVV_KIND_*
+  uint first_placement;  // into placements
+  uint lookup;           // lookup grid of the seeds
+  uint pad0;
+};
+
+// A uniform lookup grid: the cell of point p is floor(clamp((p - lo) * per_cell, 0, size - 1)).
+struct LookupRecord {
+  vec4 lo;          // w unused
+  vec4 cells_per_unit;
+  uint size_x, size_y, size_z;
+  uint first_cell;  // cells[first_cell + c] .. cells[first_cell + c + 1] is the cell's range in lists
+};
+
+struct RegionRecord {
+  vec4 color;  // rgb and opacity
+  AffineRows texture_from_object;
+  vec4 slot;   // bitmap: xyz first texel of the interior, normalised; w edge length n (0: plain colour)
+  uint number;
+  uint first_group;
+  uint group_count;
+  uint pad0;
+};
+
+struct GroupRecord {
+  AffineRows box_from_object;
+  LookupRecord lookup;
+  uint has_box;
+  uint first_placement;  // of candidate 0 of the group
+  uint first_number;
+  uint pad0;
+};
+
+// A seed or an embedded object.
+struct PlacementRecord {
+  AffineRows local_from_object;
+  uint object;  // candidates only
+  uint tiled;
+  uint pad0, pad1;
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(PointsParams) == 16);
+static_assert(sizeof(PixelsParams) == 64);
+static_assert(sizeof(AffineRows) == 48);
+static_assert(sizeof(NodeRecord) == 16);
+static_assert(sizeof(RegionRecord) == 96);
+static_assert(sizeof(LookupRecord) == 48);
+static_assert(sizeof(GroupRecord) == 112);
+static_assert(sizeof(PlacementRecord) == 64);
+}  // namespace dmvv::gpu
+#endif
+
+#endif

@@ -1,0 +1,1 @@
+#include "voml/diagnostics.h"

@@ -1,0 +1,1 @@
+#include "voml/files.h"
