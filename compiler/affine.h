@@ -25,6 +25,9 @@ Affine inverse(const Affine& a_from_b);
 /// the integers they should be.
 Affine object_from_local(const voml::Transform& transform);
 
+/// The inverse of object_from_local, from the factors: exact for axis-aligned transforms with power-of-two scales.
+Affine local_from_object(const voml::Transform& transform);
+
 /// The transform of one seed: position 2*seed + translate, angles and scales combined component by component.
 voml::Transform combine(const voml::Transform& transform, const voml::Seed& seed);
 

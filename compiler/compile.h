@@ -28,8 +28,12 @@ struct PassInfo {
 };
 const std::vector<PassInfo>& pass_names();
 
+/// Refuses what this version cannot evaluate, on the CPU or the GPU.
+/// Errors: E0301 an analytic SDF is reached; E0304 embedding deeper than 256 levels.
+bool can_evaluate(const Module& module, Diagnostics& diagnostics);
+
 /// Runs the passes and generates records, textures and GLSL; no SPIR-V yet.
-/// Errors: E0301, E0302, E0303 as diagnostics; then the result is empty.
+/// Errors: those of can_evaluate; E0303 an atlas, E0302 a buffer exceeds the device's limits; then the result is empty.
 /// Cost: linear in the scene, except index building (cells) and atlas packing (grids squared).
 std::optional<Program> compile(Module module, const CompileOptions& options, Diagnostics& diagnostics);
 

@@ -54,7 +54,7 @@ struct RegionInfo {
 /// One level of the way from the root object to the region that answered.
 struct PathStep {
   std::uint32_t region;     ///< index into Program::regions (and Module::regions)
-  std::uint32_t candidate;  ///< the region's candidate that was entered; unused in the last step
+  std::uint32_t candidate;  ///< the region's candidate that was entered; 0 in the last step
   friend bool operator==(const PathStep&, const PathStep&) = default;
 };
 
@@ -89,6 +89,7 @@ struct Program {
   std::vector<RegionInfo> regions;                 ///< every region of the module, in its order
   std::uint32_t depth = 1;                         ///< most steps a path can have
   Statistics statistics;
+  std::string records_text;  ///< all records as text, for `--dump records`
 
   const std::vector<std::uint32_t>& code(Kernel kernel) const { return spirv[static_cast<std::size_t>(kernel)]; }
 };

@@ -74,43 +74,45 @@ struct NodeRecord {
   uint pad0;
 };
 
-// A grid's place in the atlas, and the box in which it is defined.
-//   texel = q * texel_scale + texel_offset, in normalised atlas coordinates
-struct SdfRecord {
-  vec4 box_lo;  // w: iso
-  vec4 box_hi;  // w unused
-  vec4 atlas_scale;
-  vec4 atlas_offset;
-  uint kind;             // DMVV_KIND_*
-  uint first_placement;  // into placements
-  uint lookup;           // lookup grid of the seeds
-  uint pad0;
-};
-
-// A uniform lookup grid: the cell of point p is floor(clamp((p - lo) * per_cell, 0, size - 1)).
+// A uniform lookup grid: the cell of point p is floor(clamp((p - lo) * cells_per_unit, 0, size - 1)).
 struct LookupRecord {
-  vec4 lo;          // w unused
+  vec4 lo;  // w unused
   vec4 cells_per_unit;
   uint size_x, size_y, size_z;
-  uint first_cell;  // cells[first_cell + c] .. cells[first_cell + c + 1] is the cell's range in lists
+  uint first_cell;  // cells[first_cell + c] .. cells[first_cell + c + 1] is the range of cell c in lists
+};
+
+// A grid's place in the atlas, and the box of local points in which it is defined.
+//   normalised atlas coordinate = q * atlas_scale + atlas_offset
+struct SdfRecord {
+  vec4 box_lo;  // w: iso, negative is f <= iso
+  vec4 box_hi;
+  vec4 atlas_scale;
+  vec4 atlas_offset;
+  LookupRecord lookup;   // of the seeds
+  uint kind;             // DMVV_KIND_*
+  uint first_placement;  // into placements
+  uint pad0, pad1;
 };
 
 struct RegionRecord {
   vec4 color;  // rgb and opacity
   AffineRows texture_from_object;
-  vec4 slot;   // bitmap: xyz first texel of the interior, normalised; w edge length n (0: plain colour)
+  vec4 slot_scale;   // bitmap: normalised atlas coordinate = u * slot_scale + slot_offset, u in [0,1); w: 1 if bitmap
+  vec4 slot_offset;
   uint number;
   uint first_group;
   uint group_count;
   uint pad0;
 };
 
+// A run of candidates. With a box, the lookup lies in the box's frame, else in the object's.
 struct GroupRecord {
   AffineRows box_from_object;
   LookupRecord lookup;
   uint has_box;
-  uint first_placement;  // of candidate 0 of the group
-  uint first_number;
+  uint first_placement;  // of the group's candidate 0
+  uint first_number;     // of the group's candidate 0 within the region
   uint pad0;
 };
 
@@ -127,7 +129,8 @@ static_assert(sizeof(PointsParams) == 16);
 static_assert(sizeof(PixelsParams) == 64);
 static_assert(sizeof(AffineRows) == 48);
 static_assert(sizeof(NodeRecord) == 16);
-static_assert(sizeof(RegionRecord) == 96);
+static_assert(sizeof(SdfRecord) == 128);
+static_assert(sizeof(RegionRecord) == 112);
 static_assert(sizeof(LookupRecord) == 48);
 static_assert(sizeof(GroupRecord) == 112);
 static_assert(sizeof(PlacementRecord) == 64);

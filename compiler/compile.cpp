@@ -1,0 +1,139 @@
+#include "compiler/compile.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "compiler/atlas.h"
+#include "compiler/flatten.h"
+#include "compiler/generate_glsl.h"
+#include "compiler/passes.h"
+#include "compiler/reference.h"
+
+namespace dmvv::compiler {
+
+namespace {
+
+constexpr std::uint32_t max_depth = 256;  // a walker's stack of 32-byte frames must fit private memory
+
+bool enabled(const CompileOptions& options, std::string_view pass) {
+  return std::find(options.disabled_passes.begin(), options.disabled_passes.end(), pass) == options.disabled_passes.end();
+}
+
+void run_passes(Module& module, const CompileOptions& options) {
+  if (enabled(options, "merge-assets")) merge_assets(module);
+  if (enabled(options, "prune-sides")) prune_sides(module);
+  if (enabled(options, "drop-unreachable")) drop_unreachable(module);
+}
+
+template <class T>
+void add_buffer(Program& program, const char* name, std::uint32_t binding, const std::vector<T>& records) {
+  Buffer buffer{name, binding, std::vector<std::byte>(std::max<std::size_t>(records.size(), 1) * sizeof(T))};
+  if (!records.empty()) std::memcpy(buffer.bytes.data(), records.data(), records.size() * sizeof(T));
+  program.statistics.buffer_bytes += buffer.bytes.size();
+  program.buffers.push_back(std::move(buffer));
+}
+
+void add_buffers(Program& program, const Records& records, const Uses& uses) {
+  if (uses.walker) add_buffer(program, "nodes", DMVV_BIND_NODES, records.nodes);
+  if (uses.walker) add_buffer(program, "sdfs", DMVV_BIND_SDFS, records.sdfs);
+  if (uses.walker || uses.region_colors) add_buffer(program, "regions", DMVV_BIND_REGIONS, records.regions);
+  if (uses.walker) add_buffer(program, "groups", DMVV_BIND_GROUPS, records.groups);
+  if (uses.placements) add_buffer(program, "placements", DMVV_BIND_PLACEMENTS, records.placements);
+  if (uses.lists) add_buffer(program, "cells", DMVV_BIND_CELLS, records.cells);
+  if (uses.lists) add_buffer(program, "lists", DMVV_BIND_LISTS, records.lists);
+  if (uses.walker) add_buffer(program, "objects", DMVV_BIND_OBJECTS, records.objects);
+}
+
+bool check_buffers(const Program& program, std::uint64_t limit, Diagnostics& diagnostics) {
+  for (const Buffer& buffer : program.buffers) {
+    if (buffer.bytes.size() <= limit) continue;
+    diagnostics.report(Code::buffer_too_large, {},
+                       fmt::format("the scene's {} take {} bytes; the device allows {} a storage buffer", buffer.name,
+                                   buffer.bytes.size(), limit));
+  }
+  return !diagnostics.has_errors();
+}
+
+void add_texture(Program& program, Atlas atlas) {
+  program.statistics.texture_bytes += atlas.texture.texels.size();
+  program.textures.push_back(std::move(atlas.texture));
+}
+
+void count(Statistics& statistics, const Module& module) {
+  statistics.objects = static_cast<std::uint32_t>(module.objects.size());
+  statistics.sdfs = static_cast<std::uint32_t>(module.sdfs.size());
+  statistics.nodes = static_cast<std::uint32_t>(module.nodes.size());
+  statistics.regions = static_cast<std::uint32_t>(module.regions.size());
+  statistics.depth = module.depth;
+  for (const Sdf& sdf : module.sdfs) {
+    if (sdf.placement == voml::Placement::seeded) statistics.seeds += static_cast<std::uint32_t>(sdf.local_from_object.size());
+  }
+  for (const Region& region : module.regions) {
+    for (const auto& group : region.groups) statistics.candidates += static_cast<std::uint32_t>(group.candidates.size());
+  }
+}
+
+}  // namespace
+
+const std::vector<PassInfo>& pass_names() {
+  static const std::vector<PassInfo> passes{
+      {"merge-assets", "identical grids and bitmaps are stored once"},
+      {"prune-sides", "a decision between equal sides is left out"},
+      {"drop-unreachable", "what no path from the root reaches is left out"},
+      {"index", "seeds and candidates are found through lookup grids"},
+      {"fold-affine", "identities, translations and scalings are written as such"},
+      {"box-tests", "box tests that the standard cube already answers are left out"},
+  };
+  return passes;
+}
+
+bool can_evaluate(const Module& module, Diagnostics& diagnostics) {
+  for (const Sdf& sdf : module.sdfs) {
+    if (!std::holds_alternative<Id<voml::Function>>(sdf.source)) continue;
+    diagnostics.report(Code::function_not_supported, sdf.span,
+                       fmt::format("SDF '{}' is analytic; this version evaluates distance grids only", sdf.name));
+  }
+  if (module.depth > max_depth) {
+    diagnostics.report(Code::embedding_too_deep, {},
+                       fmt::format("objects are embedded {} levels deep; the limit is {}", module.depth, max_depth));
+  }
+  return !diagnostics.has_errors();
+}
+
+std::optional<Program> compile(Module module, const CompileOptions& options, Diagnostics& diagnostics) {
+  if (!can_evaluate(module, diagnostics)) return std::nullopt;
+  Program program;
+  program.codegen = options.codegen;
+  run_passes(module, options);
+  program.regions = legend(module);
+  program.depth = module.depth;
+
+  auto grid_atlas = pack_atlas(module.grids, options.atlas_format, options.max_extent_3d, diagnostics);
+  auto bitmap_atlas = pack_bitmaps(module.bitmaps, options.max_extent_3d, diagnostics);
+  if (!grid_atlas || !bitmap_atlas) return std::nullopt;
+  const Records records = flatten(module, *grid_atlas, *bitmap_atlas, enabled(options, "index"));
+
+  const GlslOptions glsl_options{options.codegen, options.inlined_line_budget, enabled(options, "fold-affine"),
+                                 enabled(options, "box-tests")};
+  Evaluation evaluation = generate_evaluation(module, records, *grid_atlas, glsl_options);
+  for (const Kernel kernel : {Kernel::points, Kernel::pixels}) {
+    program.glsl[static_cast<std::size_t>(kernel)] = generate_glsl(evaluation, program.depth, kernel);
+  }
+
+  count(program.statistics, module);
+  const std::string& pixels = program.glsl[static_cast<std::size_t>(Kernel::pixels)];
+  program.statistics.glsl_lines = static_cast<std::uint32_t>(std::count(pixels.begin(), pixels.end(), '\n'));
+  program.statistics.inlined_lines = evaluation.inlined_lines;
+  program.statistics.object_codegen = std::move(evaluation.object_codegen);
+  program.statistics.atlas_fill = grid_atlas->fill;
+  if (evaluation.uses.grid_atlas) add_texture(program, std::move(*grid_atlas));
+  if (evaluation.uses.bitmap_atlas) add_texture(program, std::move(*bitmap_atlas));
+  add_buffers(program, records, evaluation.uses);
+  if (!check_buffers(program, options.max_storage_buffer, diagnostics)) return std::nullopt;
+  program.records_text = to_text(records);
+  return program;
+}
+
+}  // namespace dmvv::compiler

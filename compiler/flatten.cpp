@@ -1,0 +1,215 @@
+#include "compiler/flatten.h"
+
+#include <fmt/format.h>
+
+#include <glm/common.hpp>
+
+namespace dmvv::compiler {
+
+namespace {
+
+glm::vec4 vec(const glm::dvec3& v, double w = 0.0) { return glm::vec4(glm::dvec4(v, w)); }
+
+std::uint32_t reference(Id<Node> id, const Module& module) {
+  const auto* region = std::get_if<Id<Region>>(&at(module.nodes, id).content);
+  return region ? (region->index | DMVV_REGION_BIT) : id.index;
+}
+
+class Flattening {
+ public:
+  Flattening(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, bool use_index)
+      : module_(module), grid_atlas_(grid_atlas), bitmap_atlas_(bitmap_atlas), use_index_(use_index) {}
+
+  Records run() {
+    for (const Object& object : module_.objects) out_.objects.push_back(reference(object.root, module_));
+    for (const Node& node : module_.nodes) out_.nodes.push_back(flatten_node(node));
+    for (const Sdf& sdf : module_.sdfs) out_.sdfs.push_back(flatten_sdf(sdf));
+    for (const Region& region : module_.regions) out_.regions.push_back(flatten_region(region));
+    return std::move(out_);
+  }
+
+ private:
+  gpu::NodeRecord flatten_node(const Node& node) const {
+    gpu::NodeRecord record{};
+    if (const auto* decision = std::get_if<Decision>(&node.content)) {
+      record.sdf = decision->sdf.index;
+      record.positive = reference(decision->positive, module_);
+      record.negative = reference(decision->negative, module_);
+    }
+    return record;
+  }
+
+  gpu::SdfRecord flatten_sdf(const Sdf& sdf) {
+    gpu::SdfRecord record{};
+    const LocalBox box = local_box(sdf, module_);
+    record.box_lo = vec(box.lo, sdf.iso);
+    record.box_hi = vec(box.hi);
+    const auto grid = std::get<Id<voml::Grid>>(sdf.source);
+    const Affine atlas =
+        atlas_from_local(at(module_.grids, grid), grid_atlas_.slots[grid.index], grid_atlas_.texture.extent);
+    record.atlas_scale = vec({atlas.linear[0][0], atlas.linear[1][1], atlas.linear[2][2]});
+    record.atlas_offset = vec(atlas.translation);
+    record.kind = static_cast<std::uint32_t>(sdf.placement);
+    record.first_placement = static_cast<std::uint32_t>(out_.placements.size());
+    for (const Affine& affine : sdf.local_from_object) out_.placements.push_back({rows(affine), 0, 0, 0, 0});
+    if (sdf.placement == voml::Placement::seeded) {
+      record.lookup = append_lookup(placed_boxes(sdf, module_), sdf.index_size, glm::dvec3(0.0));
+    }
+    return record;
+  }
+
+  gpu::RegionRecord flatten_region(const Region& region) {
+    gpu::RegionRecord record{};
+    record.color = vec(region.rgb, region.opacity);
+    record.texture_from_object = rows(region.texture_from_object);
+    if (region.kind == voml::RegionKind::bitmap) {
+      const glm::dvec3 extent(bitmap_atlas_.texture.extent);
+      const glm::dvec3 slot(bitmap_atlas_.slots[region.bitmap.index]);
+      record.slot_scale = vec(glm::dvec3(at(module_.bitmaps, region.bitmap).n) / extent, 1.0);
+      record.slot_offset = vec(slot / extent);
+    }
+    record.number = region.number;
+    record.first_group = static_cast<std::uint32_t>(out_.groups.size());
+    record.group_count = static_cast<std::uint32_t>(region.groups.size());
+    for (const CandidateGroup& group : region.groups) out_.groups.push_back(flatten_group(group));
+    return record;
+  }
+
+  gpu::GroupRecord flatten_group(const CandidateGroup& group) {
+    gpu::GroupRecord record{};
+    record.has_box = group.box_from_object.has_value();
+    record.box_from_object = rows(group.box_from_object.value_or(Affine{}));
+    record.first_placement = static_cast<std::uint32_t>(out_.placements.size());
+    record.first_number = group.first_number;
+    for (const Candidate& candidate : group.candidates) {
+      out_.placements.push_back({rows(candidate.local_from_parent), candidate.object.index, candidate.tiled, 0, 0});
+    }
+    record.lookup = append_lookup(placed_boxes(group), group.index_size, lookup_frame_error(group));
+    return record;
+  }
+
+  gpu::LookupRecord append_lookup(const std::vector<PlacedBox>& boxes, const glm::uvec3& wish,
+                                  const glm::dvec3& frame_error) {
+    const Lookup lookup = build_lookup(boxes, use_index_ ? wish : glm::uvec3(1), frame_error);
+    gpu::LookupRecord record{};
+    record.lo = vec(lookup.lo);
+    record.cells_per_unit = vec(glm::dvec3(lookup.size) / (lookup.hi - lookup.lo));
+    record.size_x = lookup.size.x;
+    record.size_y = lookup.size.y;
+    record.size_z = lookup.size.z;
+    record.first_cell = static_cast<std::uint32_t>(out_.cells.size());
+    const auto first_entry = static_cast<std::uint32_t>(out_.lists.size());
+    for (const std::uint32_t start : lookup.cells) out_.cells.push_back(first_entry + start);
+    out_.lists.insert(out_.lists.end(), lookup.lists.begin(), lookup.lists.end());
+    return record;
+  }
+
+  const Module& module_;
+  const Atlas& grid_atlas_;
+  const Atlas& bitmap_atlas_;
+  bool use_index_;
+  Records out_;
+};
+
+}  // namespace
+
+gpu::AffineRows rows(const Affine& affine) {
+  const glm::dmat3& m = affine.linear;
+  const glm::dvec3& t = affine.translation;
+  return {vec({m[0].x, m[1].x, m[2].x}, t.x), vec({m[0].y, m[1].y, m[2].y}, t.y), vec({m[0].z, m[1].z, m[2].z}, t.z)};
+}
+
+LocalBox local_box(const Sdf& sdf, const Module& module) {
+  const auto* id = std::get_if<Id<voml::Grid>>(&sdf.source);
+  if (!id) return {};
+  const voml::Grid& grid = at(module.grids, *id);
+  return {glm::max(grid.box_lo, glm::dvec3(-1.0)), glm::min(grid.box_hi, glm::dvec3(1.0))};
+}
+
+Affine atlas_from_local(const voml::Grid& grid, const glm::uvec3& slot, const glm::uvec3& atlas_extent) {
+  const glm::dvec3 texels_per_unit = glm::dvec3(grid.size) / (grid.box_hi - grid.box_lo);
+  const glm::dvec3 scale = texels_per_unit / glm::dvec3(atlas_extent);
+  const glm::dvec3 offset = (glm::dvec3(slot) - grid.box_lo * texels_per_unit) / glm::dvec3(atlas_extent);
+  return {glm::dmat3(scale.x, 0, 0, 0, scale.y, 0, 0, 0, scale.z), offset};
+}
+
+std::vector<PlacedBox> placed_boxes(const Sdf& sdf, const Module& module) {
+  const LocalBox box = local_box(sdf, module);
+  std::vector<PlacedBox> boxes;
+  boxes.reserve(sdf.local_from_object.size());
+  for (const Affine& affine : sdf.local_from_object) {
+    boxes.push_back({affine, float_error(affine, glm::dvec3(1.0)), box.lo, box.hi, false});
+  }
+  return boxes;
+}
+
+std::vector<PlacedBox> placed_boxes(const CandidateGroup& group) {
+  const Affine object_from_frame = group.box_from_object ? inverse(*group.box_from_object) : Affine{};
+  std::vector<PlacedBox> boxes;
+  boxes.reserve(group.candidates.size());
+  for (const Candidate& candidate : group.candidates) {
+    boxes.push_back({candidate.local_from_parent * object_from_frame,
+                     float_error(candidate.local_from_parent, glm::dvec3(1.0)), glm::dvec3(-1.0), glm::dvec3(1.0),
+                     candidate.tiled});
+  }
+  return boxes;
+}
+
+glm::dvec3 lookup_frame_error(const CandidateGroup& group) {
+  return group.box_from_object ? float_error(*group.box_from_object, glm::dvec3(1.0)) : glm::dvec3(0.0);
+}
+
+Records flatten(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, bool use_index) {
+  return Flattening(module, grid_atlas, bitmap_atlas, use_index).run();
+}
+
+namespace {
+
+std::string text(const glm::vec4& v) { return fmt::format("({} {} {} | {})", v.x, v.y, v.z, v.w); }
+std::string text(const gpu::AffineRows& a) { return fmt::format("[{} {} {}]", text(a.x), text(a.y), text(a.z)); }
+std::string text(const gpu::LookupRecord& l) {
+  return fmt::format("lookup {}x{}x{} lo {} per_unit {} first_cell {}", l.size_x, l.size_y, l.size_z, text(l.lo),
+                     text(l.cells_per_unit), l.first_cell);
+}
+std::string reference_text(std::uint32_t reference) {
+  return reference & DMVV_REGION_BIT ? fmt::format("region {}", reference & ~DMVV_REGION_BIT)
+                                     : fmt::format("node {}", reference);
+}
+
+}  // namespace
+
+std::string to_text(const Records& records) {
+  std::string out;
+  const auto line = [&](const char* kind, std::size_t index, const std::string& rest) {
+    out += fmt::format("{} {}: {}\n", kind, index, rest);
+  };
+  for (std::size_t i = 0; i < records.objects.size(); ++i) line("object", i, reference_text(records.objects[i]));
+  for (std::size_t i = 0; i < records.nodes.size(); ++i) {
+    const auto& n = records.nodes[i];
+    line("node", i, fmt::format("sdf {} + {} - {}", n.sdf, reference_text(n.positive), reference_text(n.negative)));
+  }
+  for (std::size_t i = 0; i < records.sdfs.size(); ++i) {
+    const auto& s = records.sdfs[i];
+    line("sdf", i, fmt::format("kind {} first_placement {} box {} {} atlas {} {} {}", s.kind, s.first_placement,
+                               text(s.box_lo), text(s.box_hi), text(s.atlas_scale), text(s.atlas_offset), text(s.lookup)));
+  }
+  for (std::size_t i = 0; i < records.regions.size(); ++i) {
+    const auto& r = records.regions[i];
+    line("region", i, fmt::format("number {} groups {}+{} color {} slot {} {} texture {}", r.number, r.first_group,
+                                  r.group_count, text(r.color), text(r.slot_scale), text(r.slot_offset),
+                                  text(r.texture_from_object)));
+  }
+  for (std::size_t i = 0; i < records.groups.size(); ++i) {
+    const auto& g = records.groups[i];
+    line("group", i, fmt::format("box {} {} first_placement {} first_number {} {}", g.has_box, text(g.box_from_object),
+                                 g.first_placement, g.first_number, text(g.lookup)));
+  }
+  for (std::size_t i = 0; i < records.placements.size(); ++i) {
+    const auto& p = records.placements[i];
+    line("placement", i, fmt::format("object {} tiled {} {}", p.object, p.tiled, text(p.local_from_object)));
+  }
+  out += fmt::format("cells {}\nlists {}\n", records.cells.size(), records.lists.size());
+  return out;
+}
+
+}  // namespace dmvv::compiler

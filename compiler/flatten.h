@@ -1,0 +1,53 @@
+// Module -> the records of shaders/records.h: everything the generic walker needs, and the lists that specialised code
+// searches.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "compiler/atlas.h"
+#include "compiler/lookup.h"
+#include "compiler/module.h"
+#include "shaders/records.h"
+
+namespace dmvv::compiler {
+
+/// Records of a module, in its order: sdfs[i] is module.sdfs[i], and so on.
+struct Records {
+  std::vector<gpu::NodeRecord> nodes;
+  std::vector<gpu::SdfRecord> sdfs;
+  std::vector<gpu::RegionRecord> regions;
+  std::vector<gpu::GroupRecord> groups;
+  std::vector<gpu::PlacementRecord> placements;
+  std::vector<std::uint32_t> cells;
+  std::vector<std::uint32_t> lists;
+  std::vector<std::uint32_t> objects;  ///< the reference of each object's root node (DMVV_REGION_BIT: a region)
+};
+
+/// Seeds of an SDF as boxes in the object's frame.
+std::vector<PlacedBox> placed_boxes(const Sdf& sdf, const Module& module);
+/// Candidates of a group as boxes in its lookup frame (the INDEX box if it has one, else the object).
+std::vector<PlacedBox> placed_boxes(const CandidateGroup& group);
+/// Bound of the float32 error of a point in the group's lookup frame.
+glm::dvec3 lookup_frame_error(const CandidateGroup& group);
+
+/// The part of the standard cube in which an SDF's source is defined.
+struct LocalBox {
+  glm::dvec3 lo{-1.0};
+  glm::dvec3 hi{1.0};
+};
+LocalBox local_box(const Sdf& sdf, const Module& module);
+
+/// Atlas coordinates (normalised) of a grid's local points.
+Affine atlas_from_local(const voml::Grid& grid, const glm::uvec3& slot, const glm::uvec3& atlas_extent);
+
+gpu::AffineRows rows(const Affine& affine);
+
+/// Builds all records. With `use_index` off every lookup is one cell that lists everything.
+/// Cost: that of build_lookup for each list.
+Records flatten(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, bool use_index);
+
+/// Records as text, one a line, stable: for `--dump records` and goldens.
+std::string to_text(const Records& records);
+
+}  // namespace dmvv::compiler

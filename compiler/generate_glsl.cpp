@@ -1,0 +1,622 @@
+#include "compiler/generate_glsl.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
+#include <limits>
+#include <set>
+
+#include "compiler/shader_text.h"
+
+namespace dmvv::compiler {
+
+std::string glsl_float(float value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".en") == std::string::npos) text += ".0";
+  return text;
+}
+
+namespace {
+
+// Lines that the parts of a shader take after inlining; counted on generated text.
+constexpr std::uint32_t lines_of_decision = 8;
+constexpr std::uint32_t lines_of_seeded_decision = 22;
+constexpr std::uint32_t lines_of_group = 26;
+constexpr std::uint32_t lines_of_walker = 110;
+constexpr std::uint32_t most_lines = 1u << 24;  // sums saturate here: shared subtrees can count exponentially
+constexpr std::size_t most_constant_regions = 24;
+
+std::uint32_t saturating_add(std::uint32_t a, std::uint64_t b) {
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(a + b, most_lines));
+}
+
+std::string vec3_literal(const glm::dvec3& v) {
+  const glm::vec3 f(v);
+  if (f.x == f.y && f.y == f.z) return fmt::format("vec3({})", glsl_float(f.x));
+  return fmt::format("vec3({}, {}, {})", glsl_float(f.x), glsl_float(f.y), glsl_float(f.z));
+}
+
+bool is_diagonal(const Affine& a) {
+  const glm::dmat3& m = a.linear;
+  return m[0].y == 0 && m[0].z == 0 && m[1].x == 0 && m[1].z == 0 && m[2].x == 0 && m[2].y == 0;
+}
+
+glm::dvec3 diagonal(const Affine& a) { return {a.linear[0].x, a.linear[1].y, a.linear[2].z}; }
+
+/// affine(p) as an expression.
+std::string affine_expression(const Affine& affine, const std::string& p, bool fold) {
+  const bool diagonal_only = fold && is_diagonal(affine);
+  const bool scales = !diagonal_only || diagonal(affine) != glm::dvec3(1.0);
+  const bool moves = !fold || affine.translation != glm::dvec3(0.0);
+  std::string text = p;
+  if (scales && diagonal_only) text = fmt::format("{} * {}", p, vec3_literal(diagonal(affine)));
+  if (scales && !diagonal_only) {
+    const glm::mat3 m(affine.linear);
+    std::string entries;
+    for (int column = 0; column < 3; ++column) {
+      for (int row = 0; row < 3; ++row) entries += (entries.empty() ? "" : ", ") + glsl_float(m[column][row]);
+    }
+    text = fmt::format("mat3({}) * {}", entries, p);
+  }
+  if (moves) text += fmt::format(" + {}", vec3_literal(affine.translation));
+  return text;
+}
+
+/// Does the image of the standard cube lie in the box, float32 rounding included?
+bool cube_maps_into(const Affine& affine, const LocalBox& box) {
+  const glm::dvec3 half = glm::abs(affine.linear[0]) + glm::abs(affine.linear[1]) + glm::abs(affine.linear[2]);
+  const bool exact = affine == Affine{};  // the identity is not even computed
+  const glm::dvec3 reach = half + (exact ? glm::dvec3(0.0) : float_error(affine, glm::dvec3(1.0)));
+  return glm::all(glm::greaterThanEqual(affine.translation - reach, box.lo)) &&
+         glm::all(glm::lessThanEqual(affine.translation + reach, box.hi));
+}
+
+class Generator {
+ public:
+  Generator(const Module& module, const Records& records, const Atlas& grid_atlas, const GlslOptions& options)
+      : module_(module), records_(records), grid_atlas_(grid_atlas), options_(options) {}
+
+  Evaluation run() {
+    collect_objects();
+    choose_cuts();
+    const bool any_cut = std::find(cut_.begin(), cut_.end(), true) != cut_.end();
+    out_.uses.walker = any_cut;
+    // Objects stand parents first; GLSL wants callees first.
+    for (std::size_t i = module_.objects.size(); i-- > 0;) {
+      if (needed_[i] && !cut_[i]) emit_object(Id<Object>{static_cast<std::uint32_t>(i)});
+    }
+    emit_colors();
+    line("void evaluate(vec3 p) { {}; }", call(module_.root, "p", "0u"));
+    if (any_cut) {
+      out_.uses.placements = out_.uses.lists = true;
+      out_.uses.grid_atlas = out_.uses.grid_atlas || !module_.grids.empty();
+    }
+    out_.glsl = std::move(body_);
+    out_.inlined_lines = inlined_lines(module_.root);
+    describe();
+    return std::move(out_);
+  }
+
+ private:
+  template <class... Args>
+  void line(std::string_view format, Args&&... args) {
+    if constexpr (sizeof...(Args) == 0) {
+      if (!format.empty()) body_ += std::string(indent_, ' ') + std::string(format);
+      body_ += '\n';
+    } else {
+      body_ += std::string(indent_, ' ') + substitute(format, {std::string(args)...}) + "\n";
+    }
+  }
+
+  /// Replaces each "{}" in turn; GLSL's own braces need no escaping.
+  static std::string substitute(std::string_view format, const std::vector<std::string>& args) {
+    std::string text;
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < format.size(); ++i) {
+      if (format.substr(i, 2) == "{}") {
+        text += args[next++];
+        ++i;
+      } else {
+        text += format[i];
+      }
+    }
+    return text;
+  }
+
+  void open(const std::string& head) {
+    line("{} {", head);
+    indent_ += 2;
+  }
+  void close() {
+    indent_ -= 2;
+    line("}");
+  }
+
+  // ---- what an object consists of ----
+
+  struct ObjectParts {
+    std::vector<Id<Sdf>> sdfs;        ///< different ones, in the order of the tree
+    std::vector<Id<Region>> regions;  ///< different ones, in the order of the tree
+    std::uint32_t decisions = 0;      ///< of the tree written out, shared subtrees repeated
+    std::uint32_t seeded = 0;         ///< of these
+    std::uint32_t depth = 0;
+  };
+
+  void collect_objects() {
+    parts_.resize(module_.objects.size());
+    for (std::size_t i = 0; i < module_.objects.size(); ++i) parts_[i] = collect(module_.objects[i].root);
+    for (const Region& region : module_.regions) {
+      calls_.emplace_back();
+      for (const CandidateGroup& group : region.groups) calls_.back().push_back(called_objects(group));
+    }
+  }
+
+  /// Visits the tree as it will be written out: a shared subtree counts as often as it is reached.
+  ObjectParts collect(Id<Node> root) const {
+    ObjectParts parts;
+    struct Visit {
+      Id<Node> node;
+      std::uint32_t depth;
+    };
+    std::vector<Visit> pending{{root, 1}};
+    std::set<Id<Sdf>> sdfs;
+    std::set<Id<Region>> regions;
+    while (!pending.empty() && parts.decisions < most_lines) {
+      const auto [node, depth] = pending.back();
+      pending.pop_back();
+      parts.depth = std::max(parts.depth, depth);
+      if (const auto* region = std::get_if<Id<Region>>(&at(module_.nodes, node).content)) {
+        if (regions.insert(*region).second) parts.regions.push_back(*region);
+        continue;
+      }
+      const auto& decision = std::get<Decision>(at(module_.nodes, node).content);
+      ++parts.decisions;
+      if (at(module_.sdfs, decision.sdf).placement == voml::Placement::seeded) ++parts.seeded;
+      if (sdfs.insert(decision.sdf).second) parts.sdfs.push_back(decision.sdf);
+      pending.push_back({decision.negative, depth + 1});
+      pending.push_back({decision.positive, depth + 1});
+    }
+    return parts;
+  }
+
+  static std::vector<Id<Object>> called_objects(const CandidateGroup& group) {
+    std::vector<Id<Object>> called;
+    for (const Candidate& candidate : group.candidates) called.push_back(candidate.object);
+    std::sort(called.begin(), called.end());
+    called.erase(std::unique(called.begin(), called.end()), called.end());
+    return called;
+  }
+
+  // ---- which objects are cut ----
+
+  std::uint32_t own_lines(std::size_t object) const {
+    const ObjectParts& parts = parts_[object];
+    std::uint64_t lines = 4;
+    lines += std::uint64_t{parts.decisions - parts.seeded} * lines_of_decision;
+    lines += std::uint64_t{parts.seeded} * lines_of_seeded_decision;
+    for (const Id<Region> region : parts.regions) lines += at(module_.regions, region).groups.size() * lines_of_group;
+    return static_cast<std::uint32_t>(std::min<std::uint64_t>(lines, most_lines));
+  }
+
+  /// Lines of each object with everything that it calls inlined, given the cuts.
+  std::vector<std::uint32_t> all_inlined_lines(const std::vector<bool>& cut) const {
+    std::vector<std::uint32_t> lines(module_.objects.size());
+    for (std::size_t i = module_.objects.size(); i-- > 0;) {
+      if (cut[i]) {
+        lines[i] = lines_of_walker;
+        continue;
+      }
+      lines[i] = own_lines(i);
+      for (const Id<Region> region : parts_[i].regions) {
+        for (const auto& called : calls_[region.index]) {
+          bool walks = false;
+          for (const Id<Object> child : called) {
+            if (!cut[child.index]) lines[i] = saturating_add(lines[i], lines[child.index]);
+            walks = walks || cut[child.index];
+          }
+          if (walks) lines[i] = saturating_add(lines[i], lines_of_walker);
+        }
+      }
+    }
+    return lines;
+  }
+
+  std::uint32_t inlined_lines(Id<Object> object) const { return all_inlined_lines(cut_)[object.index]; }
+
+  /// Cuts as little as meets the budget: among the cuts that suffice the one that keeps most specialised code, else the
+  /// one that saves most, and so on; at last the root.
+  void choose_cuts() {
+    cut_.assign(module_.objects.size(), options_.codegen == Codegen::table);
+    const std::size_t root = module_.root.index;
+    while (!cut_[root]) {
+      const std::uint32_t now = all_inlined_lines(cut_)[root];
+      if (now <= options_.inlined_line_budget) break;
+      std::size_t best = root;
+      std::uint32_t best_lines = now;
+      for (std::size_t i = 0; i < cut_.size(); ++i) {
+        if (cut_[i] || i == root) continue;
+        std::vector<bool> with = cut_;
+        with[i] = true;
+        const std::uint32_t then = all_inlined_lines(with)[root];
+        const bool fits = then <= options_.inlined_line_budget;
+        const bool best_fits = best_lines <= options_.inlined_line_budget;
+        if (fits ? (!best_fits || then > best_lines) : (!best_fits && then < best_lines)) {
+          best = i;
+          best_lines = then;
+        }
+      }
+      cut_[best] = true;
+    }
+    mark_needed();
+  }
+
+  void mark_needed() {
+    needed_.assign(module_.objects.size(), false);
+    needed_[module_.root.index] = true;
+    for (std::size_t i = 0; i < needed_.size(); ++i) {
+      if (!needed_[i] || cut_[i]) continue;
+      for (const Id<Region> region : parts_[i].regions) {
+        for (const auto& called : calls_[region.index]) {
+          for (const Id<Object> child : called) needed_[child.index] = true;
+        }
+      }
+    }
+  }
+
+  void describe() {
+    for (std::size_t i = 0; i < module_.objects.size(); ++i) {
+      const std::string& name = module_.objects[i].name;
+      if (options_.codegen == Codegen::table) {
+        out_.object_codegen.push_back(name + ": table");
+      } else if (cut_[i]) {
+        out_.object_codegen.push_back(
+            fmt::format("{}: table, specialised code would exceed {} lines", name, options_.inlined_line_budget));
+      } else if (needed_[i]) {
+        out_.object_codegen.push_back(name + ": specialised");
+      } else {
+        out_.object_codegen.push_back(name + ": table, below an object that was cut");
+      }
+    }
+  }
+
+  // ---- distance functions ----
+
+  std::string sdf_name(Id<Sdf> id) const { return fmt::format("negative_{}", id.index); }
+
+  /// `f(q) <= iso` for the local point that `affine` makes of p, as one expression.
+  std::string grid_test(const Sdf& sdf, const Affine* constant, const std::string& q) {
+    const auto grid_id = std::get<Id<voml::Grid>>(sdf.source);
+    const voml::Grid& grid = at(module_.grids, grid_id);
+    out_.uses.grid_atlas = true;
+    const Affine atlas = atlas_from_local(grid, grid_atlas_.slots[grid_id.index], grid_atlas_.texture.extent);
+    const Affine lookup = constant ? atlas * *constant : atlas;
+    return fmt::format("textureLod(grid_atlas, {}, 0.0).r <= {}", affine_expression(lookup, q, options_.fold_affine),
+                       glsl_float(static_cast<float>(sdf.iso)));
+  }
+
+  std::string box_test(const LocalBox& box, const std::string& q) const {
+    if (box.lo == glm::dvec3(-1.0) && box.hi == glm::dvec3(1.0)) return fmt::format("in_cube({})", q);
+    return fmt::format("in_box({}, {}, {})", q, vec3_literal(box.lo), vec3_literal(box.hi));
+  }
+
+  void emit_sdf(Id<Sdf> id) {
+    if (!emitted_.insert(id).second) return;
+    const Sdf& sdf = at(module_.sdfs, id);
+    line("// {}", sdf.name);
+    open(fmt::format("bool {}(vec3 p)", sdf_name(id)));
+    switch (sdf.placement) {
+      case voml::Placement::single: emit_single(sdf); break;
+      case voml::Placement::tiled: emit_tiled(sdf); break;
+      case voml::Placement::seeded: emit_seeded(id, sdf); break;
+    }
+    close();
+    line("");
+  }
+
+  void emit_single(const Sdf& sdf) {
+    const Affine& affine = sdf.local_from_object.front();
+    const LocalBox box = local_box(sdf, module_);
+    if (options_.box_tests && cube_maps_into(affine, box)) {
+      line("return {};", grid_test(sdf, &affine, "p"));
+      return;
+    }
+    line("vec3 q = {};", affine_expression(affine, "p", options_.fold_affine));
+    line("return {} && {};", box_test(box, "q"), grid_test(sdf, nullptr, "q"));
+  }
+
+  void emit_tiled(const Sdf& sdf) {
+    line("vec3 q = wrap_cube({});", affine_expression(sdf.local_from_object.front(), "p", options_.fold_affine));
+    line("return {} && {};", box_test(local_box(sdf, module_), "q"), grid_test(sdf, nullptr, "q"));
+  }
+
+  std::string find_cell(const gpu::LookupRecord& lookup, const std::string& p) {
+    out_.uses.lists = true;
+    return fmt::format("find_cell({}, {}, {}, uvec3({}u, {}u, {}u), {}u)", p, vec3_literal(glm::dvec3(lookup.lo)),
+                       vec3_literal(glm::dvec3(lookup.cells_per_unit)), lookup.size_x, lookup.size_y, lookup.size_z,
+                       lookup.first_cell);
+  }
+
+  void emit_seeded(Id<Sdf> id, const Sdf& sdf) {
+    const gpu::SdfRecord& record = records_.sdfs[id.index];
+    out_.uses.placements = true;
+    line("uvec2 range = {};", find_cell(record.lookup, "p"));
+    line("uint i = range.x;");
+    line("bool negative = false;");
+    open("for (; i < range.y && !negative; ++i)");
+    line("vec3 q = apply(placements[{} + lists[i]].local_from_object, p);", fmt::format("{}u", record.first_placement));
+    line("negative = {} && {};", box_test(local_box(sdf, module_), "q"), grid_test(sdf, nullptr, "q"));
+    close();
+    line("hit_unfinished = hit_unfinished || (!negative && i < range.y);");
+    line("return negative;");
+  }
+
+  // ---- objects ----
+
+  std::string call(Id<Object> object, const std::string& p, const std::string& level) const {
+    if (cut_[object.index]) return fmt::format("walk({}u, {}, {})", object.index, p, level);
+    return fmt::format("object_{}({}, {})", object.index, p, level);
+  }
+
+  void emit_object(Id<Object> id) {
+    const ObjectParts& parts = parts_[id.index];
+    for (const Id<Sdf> sdf : parts.sdfs) emit_sdf(sdf);
+    line("// {}", at(module_.objects, id).name);
+    open(fmt::format("void object_{}(vec3 p, uint level)", id.index));
+    const bool one_region = parts.regions.size() == 1;
+    if (!one_region) {
+      line("uint region;");
+      emit_tree(at(module_.objects, id).root);
+    }
+    for (const Id<Region> region : parts.regions) emit_candidates(region, one_region);
+    emit_own_answer(parts.regions, one_region);
+    close();
+    line("");
+  }
+
+  void emit_tree(Id<Node> id) {
+    if (const auto* region = std::get_if<Id<Region>>(&at(module_.nodes, id).content)) {
+      line("region = {};  // {}", fmt::format("{}u", region->index), at(module_.regions, *region).name);
+      return;
+    }
+    const auto& decision = std::get<Decision>(at(module_.nodes, id).content);
+    open(fmt::format("if ({}(p))", sdf_name(decision.sdf)));
+    emit_tree(decision.negative);
+    indent_ -= 2;
+    line("} else {");
+    indent_ += 2;
+    emit_tree(decision.positive);
+    close();
+  }
+
+  void emit_candidates(Id<Region> id, bool one_region) {
+    const Region& region = at(module_.regions, id);
+    if (region.groups.empty()) return;
+    if (one_region) {
+      open("");
+    } else {
+      open(fmt::format("if (region == {}u)", id.index));
+    }
+    for (std::size_t g = 0; g < region.groups.size(); ++g) {
+      const std::uint32_t record = records_.regions[id.index].first_group + static_cast<std::uint32_t>(g);
+      emit_group(id, region.groups[g], records_.groups[record]);
+    }
+    close();
+  }
+
+  void emit_group(Id<Region> region, const CandidateGroup& group, const gpu::GroupRecord& record) {
+    line("// {}: {} candidates", at(module_.regions, region).name, fmt::format("{}", group.candidates.size()));
+    open("if (hit_number == 0u)");
+    if (group.box_from_object) {
+      line("vec3 b = {};", affine_expression(*group.box_from_object, "p", options_.fold_affine));
+      open("if (in_cube(b))");
+    }
+    if (group.candidates.size() == 1) {
+      emit_one_candidate(region, group);
+    } else {
+      emit_candidate_loop(region, group, record);
+    }
+    if (group.box_from_object) close();
+    close();
+  }
+
+  void emit_one_candidate(Id<Region> region, const CandidateGroup& group) {
+    const Candidate& candidate = group.candidates.front();
+    const std::string q = affine_expression(candidate.local_from_parent, "p", options_.fold_affine);
+    line(candidate.tiled ? "vec3 q = wrap_cube({});" : "vec3 q = {};", q);
+    if (candidate.tiled) {
+      line("{};", call(candidate.object, "q", "level + 1u"));
+    } else {
+      line("if (in_cube(q)) {};", call(candidate.object, "q", "level + 1u"));
+    }
+    line("if (hit_number != 0u) came_through({}u, {}u, level);", fmt::format("{}", region.index),
+         fmt::format("{}", group.first_number));
+  }
+
+  void emit_candidate_loop(Id<Region> region, const CandidateGroup& group, const gpu::GroupRecord& record) {
+    out_.uses.placements = true;
+    const bool any_tiled = std::any_of(group.candidates.begin(), group.candidates.end(),
+                                       [](const Candidate& candidate) { return candidate.tiled; });
+    line("uvec2 range = {};", find_cell(record.lookup, group.box_from_object ? "b" : "p"));
+    line("uint i = range.x;");
+    open("for (; i < range.y && hit_number == 0u; ++i)");
+    line("uint c = lists[i];");
+    line("vec3 q = apply(placements[{} + c].local_from_object, p);", fmt::format("{}u", record.first_placement));
+    if (any_tiled) {
+      line("bool tiled = placements[{} + c].tiled != 0u;", fmt::format("{}u", record.first_placement));
+      line("if (tiled) q = wrap_cube(q);");
+    }
+    open(any_tiled ? "if (tiled || in_cube(q))" : "if (in_cube(q))");
+    emit_calls(group, record);
+    line("if (hit_number != 0u) came_through({}u, {}, level);", fmt::format("{}", region.index),
+         group.first_number == 0 ? std::string("c") : fmt::format("{}u + c", group.first_number));
+    close();
+    close();
+    line("hit_unfinished = hit_unfinished || (hit_number == 0u && i < range.y);");
+  }
+
+  /// One call for each different object of the group; all objects that are cut share one walker.
+  void emit_calls(const CandidateGroup& group, const gpu::GroupRecord& record) {
+    std::vector<Id<Object>> inlined, walked;
+    for (const Id<Object> object : called_objects(group)) (cut_[object.index] ? walked : inlined).push_back(object);
+    if (inlined.size() + walked.size() == 1) {
+      line("{};", call(inlined.empty() ? walked.front() : inlined.front(), "q", "level + 1u"));
+      return;
+    }
+    line("uint object = placements[{} + c].object;", fmt::format("{}u", record.first_placement));
+    const char* keyword = "";
+    for (std::size_t i = 0; i < inlined.size(); ++i) {
+      const bool last = i + 1 == inlined.size() && walked.empty();
+      const std::string condition = last ? std::string("else ") : fmt::format("{}if (object == {}u) ", keyword, inlined[i].index);
+      line("{}{};", condition, call(inlined[i], "q", "level + 1u"));
+      keyword = "else ";
+    }
+    if (!walked.empty()) line("{}walk(object, q, level + 1u);", keyword);
+  }
+
+  /// Nobody inside answered: the region's own colour counts, unless it is empty.
+  void emit_own_answer(const std::vector<Id<Region>>& regions, bool one_region) {
+    const bool may_be_found = std::any_of(regions.begin(), regions.end(), [&](Id<Region> region) {
+      return !at(module_.regions, region).groups.empty();
+    });
+    if (one_region) {
+      const Region& region = at(module_.regions, regions.front());
+      if (region.number == 0) return;
+      line("{}answer({}u, {}u, p, level);", may_be_found ? "if (hit_number == 0u) " : "",
+           fmt::format("{}", regions.front().index), fmt::format("{}", region.number));
+      return;
+    }
+    std::string number = "0u";  // a chain of choices: numbers need not follow the order of the regions
+    for (auto region = regions.rbegin(); region != regions.rend(); ++region) {
+      const std::uint32_t n = at(module_.regions, *region).number;
+      number = region == regions.rbegin() ? fmt::format("{}u", n) : fmt::format("region == {}u ? {}u : {}", region->index, n, number);
+    }
+    line("uint number = {};", number);
+    line("if ({}number != 0u) answer(region, number, p, level);", may_be_found ? "hit_number == 0u && " : "");
+  }
+
+  // ---- colours ----
+
+  void emit_colors() {
+    const bool constants = !out_.uses.walker && module_.regions.size() <= most_constant_regions;
+    out_.uses.bitmap_atlas = !module_.bitmaps.empty();
+    out_.uses.region_colors = !constants;
+    open("vec4 color_of(uint region, vec3 p)");
+    if (constants) {
+      emit_constant_colors();
+    } else {
+      emit_record_colors();
+    }
+    close();
+    line("");
+  }
+
+  void emit_constant_colors() {
+    line("vec4 color = vec4(0.0);");
+    if (out_.uses.bitmap_atlas) {
+      line("vec3 u = vec3(0.0);");
+      line("vec3 slot_scale = vec3(0.0);");
+      line("vec3 slot_offset = vec3(0.0);");
+      line("bool bitmap = false;");
+    }
+    for (std::size_t i = 0; i < module_.regions.size(); ++i) {
+      const Region& region = module_.regions[i];
+      if (region.number == 0) continue;
+      const std::string is_region = fmt::format("if (region == {}u)", i);
+      if (region.kind == voml::RegionKind::color) {
+        line("{} color = vec4({}, {}, {}, {});  // {}", is_region, glsl_float(static_cast<float>(region.rgb.x)),
+             glsl_float(static_cast<float>(region.rgb.y)), glsl_float(static_cast<float>(region.rgb.z)),
+             glsl_float(static_cast<float>(region.opacity)), region.name);
+        continue;
+      }
+      open(fmt::format("{}", is_region));
+      line("// {}", region.name);
+      line("u = {};", affine_expression(region.texture_from_object, "p", options_.fold_affine));
+      line("slot_scale = {};", vec3_literal(glm::dvec3(records_.regions[i].slot_scale)));
+      line("slot_offset = {};", vec3_literal(glm::dvec3(records_.regions[i].slot_offset)));
+      line("color = vec4(1.0, 1.0, 1.0, {});", glsl_float(static_cast<float>(region.opacity)));
+      line("bitmap = true;");
+      close();
+    }
+    if (out_.uses.bitmap_atlas) {
+      line("vec4 texel = textureLod(bitmap_atlas, fract((u + 1.0) * 0.5) * slot_scale + slot_offset, 0.0);");
+      line("if (bitmap) color *= texel;");
+    }
+    line("return color;");
+  }
+
+  void emit_record_colors() {
+    line("vec4 color = regions[region].color;");
+    if (out_.uses.bitmap_atlas) {
+      line("vec3 u = fract((apply(regions[region].texture_from_object, p) + 1.0) * 0.5);");
+      line("vec3 slot = u * regions[region].slot_scale.xyz + regions[region].slot_offset.xyz;");
+      line("vec4 texel = textureLod(bitmap_atlas, slot, 0.0);");
+      line("if (regions[region].slot_scale.w != 0.0) color = vec4(texel.rgb, texel.a * color.a);");
+    }
+    line("return color;");
+  }
+
+  const Module& module_;
+  const Records& records_;
+  const Atlas& grid_atlas_;
+  const GlslOptions& options_;
+  Evaluation out_;
+  std::string body_;
+  std::size_t indent_ = 0;
+  std::vector<ObjectParts> parts_;                           // of each object
+  std::vector<std::vector<std::vector<Id<Object>>>> calls_;  // of each region and group: the different objects
+  std::vector<bool> cut_;
+  std::vector<bool> needed_;
+  std::set<Id<Sdf>> emitted_;
+};
+
+std::string bindings(const Uses& uses) {
+  std::string text;
+  const auto sampler = [&](const char* slot, const char* name) {
+    text += fmt::format("layout(set = 0, binding = {}) uniform sampler3D {};\n", slot, name);
+  };
+  const auto buffer = [&](const char* slot, const char* block, const char* type, const char* name) {
+    text += fmt::format("layout(set = 0, binding = {}, std430) readonly buffer {} {{ {} {}[]; }};\n", slot, block, type, name);
+  };
+  if (uses.grid_atlas) sampler("DMVV_BIND_GRID_ATLAS", "grid_atlas");
+  if (uses.bitmap_atlas) sampler("DMVV_BIND_BITMAP_ATLAS", "bitmap_atlas");
+  if (uses.placements) buffer("DMVV_BIND_PLACEMENTS", "Placements", "PlacementRecord", "placements");
+  if (uses.lists) buffer("DMVV_BIND_CELLS", "Cells", "uint", "cells");
+  if (uses.lists) buffer("DMVV_BIND_LISTS", "Lists", "uint", "lists");
+  if (uses.walker) {
+    buffer("DMVV_BIND_NODES", "Nodes", "NodeRecord", "nodes");
+    buffer("DMVV_BIND_SDFS", "Sdfs", "SdfRecord", "sdfs");
+    buffer("DMVV_BIND_GROUPS", "Groups", "GroupRecord", "groups");
+    buffer("DMVV_BIND_OBJECTS", "Objects", "uint", "objects");
+  }
+  if (uses.walker || uses.region_colors) buffer("DMVV_BIND_REGIONS", "Regions", "RegionRecord", "regions");
+  return text;
+}
+
+}  // namespace
+
+Evaluation generate_evaluation(const Module& module, const Records& records, const Atlas& grid_atlas,
+                               const GlslOptions& options) {
+  return Generator(module, records, grid_atlas, options).run();
+}
+
+std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Kernel kernel) {
+  const Uses& uses = evaluation.uses;
+  std::string text = "#version 460\n";
+  text += fmt::format("#define DMVV_DEPTH {}\n", depth);
+  if (kernel == Kernel::points) text += "#define DMVV_PATHS\n";
+  if (uses.lists) text += "#define DMVV_LISTS\n";
+  if (uses.grid_atlas) text += "#define DMVV_GRIDS\n";
+  text += shader_text::records;
+  text += bindings(uses);
+  text += shader_text::evaluate;
+  if (uses.walker) text += shader_text::walk;
+  text += "\n// ---- the scene ----\n";
+  text += evaluation.glsl;
+  text += kernel == Kernel::points ? shader_text::points : shader_text::pixels;
+  return text;
+}
+
+}  // namespace dmvv::compiler

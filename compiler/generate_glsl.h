@@ -1,0 +1,52 @@
+// Module + records -> the text of a kernel.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "compiler/compile.h"
+#include "compiler/flatten.h"
+
+namespace dmvv::compiler {
+
+/// Scene buffers that a shader text declares and uses; everything else need not be uploaded.
+struct Uses {
+  bool grid_atlas = false;
+  bool bitmap_atlas = false;
+  bool walker = false;      ///< nodes, sdfs, regions, groups, objects
+  bool placements = false;
+  bool lists = false;       ///< cells and lists
+  bool region_colors = false;  ///< regions, for their colours
+};
+
+struct GlslOptions {
+  Codegen codegen = Codegen::specialised;
+  std::uint32_t inlined_line_budget = 1000;
+  bool fold_affine = true;  ///< write identities, translations and scalings as such
+  bool box_tests = true;    ///< leave out box tests that the standard cube already answers
+};
+
+/// The evaluation of a module: `void evaluate(vec3 p)` and `vec4 color_of(uint region, vec3 p)` with what they call.
+struct Evaluation {
+  std::string glsl;
+  Uses uses;
+  std::uint32_t inlined_lines = 0;
+  std::vector<std::string> object_codegen;  ///< a line an object: which form it got, and why
+};
+
+/// Generates the evaluation.
+///
+/// Specialised: every object becomes a function of nested branches with constant matrices; a run of candidates becomes
+/// one loop with one call for each different object. Drivers inline every call, so the inlined size is estimated, and
+/// beyond the budget objects are cut: they are walked over the records (shaders/walk.glsl).
+/// Table: the root is cut.
+Evaluation generate_evaluation(const Module& module, const Records& records, const Atlas& grid_atlas,
+                               const GlslOptions& options);
+
+/// The complete text of a kernel: version, records, bindings in use, evaluation, main.
+std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Kernel kernel);
+
+/// A float32 as a GLSL literal that reads back as the same value.
+std::string glsl_float(float value);
+
+}  // namespace dmvv::compiler

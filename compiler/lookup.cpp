@@ -1,0 +1,146 @@
+#include "compiler/lookup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
+#include <numeric>
+
+namespace dmvv::compiler {
+
+namespace {
+
+constexpr std::uint64_t max_cells = 1u << 21;
+constexpr double cells_a_placement = 4.0;
+
+struct Box {
+  glm::dvec3 lo;
+  glm::dvec3 hi;
+};
+
+glm::dvec3 abs_times(const glm::dmat3& linear, const glm::dvec3& v) {
+  return glm::abs(linear[0]) * v.x + glm::abs(linear[1]) * v.y + glm::abs(linear[2]) * v.z;
+}
+
+/// Axis-aligned bounds of a placed box in the frame, clipped to the cube; empty (lo > hi) if they do not meet.
+Box frame_bounds(const PlacedBox& placed) {
+  if (placed.everywhere) return {glm::dvec3(-1.0), glm::dvec3(1.0)};
+  const Affine frame_from_local = inverse(placed.local_from_frame);
+  const glm::dvec3 center = frame_from_local(0.5 * (placed.lo + placed.hi));
+  const glm::dvec3 half = abs_times(frame_from_local.linear, 0.5 * (placed.hi - placed.lo) + placed.local_error);
+  return {glm::max(center - half, glm::dvec3(-1.0)), glm::min(center + half, glm::dvec3(1.0))};
+}
+
+bool is_empty(const Box& box) { return glm::any(glm::greaterThan(box.lo, box.hi)); }
+
+/// False only if a face plane of the placed box separates it from the cell.
+bool may_meet(const PlacedBox& placed, const glm::dvec3& cell_center, const glm::dvec3& cell_half) {
+  const glm::dvec3 center = placed.local_from_frame(cell_center);
+  const glm::dvec3 half = abs_times(placed.local_from_frame.linear, cell_half) + placed.local_error;
+  return glm::all(glm::lessThanEqual(center - half, placed.hi)) && glm::all(glm::greaterThanEqual(center + half, placed.lo));
+}
+
+Box union_of(std::span<const Box> boxes) {
+  Box all{glm::dvec3(1.0), glm::dvec3(-1.0)};
+  for (const Box& box : boxes) {
+    if (is_empty(box)) continue;
+    all = {glm::min(all.lo, box.lo), glm::max(all.hi, box.hi)};
+  }
+  if (is_empty(all)) all = {glm::dvec3(-1.0), glm::dvec3(1.0)};
+  // A flat extent would divide by zero; the cube is 2 wide, so a thousandth costs nothing.
+  const glm::dvec3 grow = glm::max(glm::dvec3(1e-3) - (all.hi - all.lo), glm::dvec3(0.0)) * 0.5;
+  return {all.lo - grow, all.hi + grow};
+}
+
+/// Cubic cells, some four a placement, but not much smaller than the placements themselves: finer cells would only
+/// repeat the same lists.
+glm::uvec3 choose_size(std::span<const Box> boxes, const Box& extent) {
+  const glm::dvec3 width = extent.hi - extent.lo;
+  double mean_edge = 0.0;
+  std::size_t count = 0;
+  for (const Box& box : boxes) {
+    if (is_empty(box)) continue;
+    const glm::dvec3 w = box.hi - box.lo;
+    mean_edge += std::cbrt(w.x * w.y * w.z);
+    ++count;
+  }
+  if (count <= 4) return glm::uvec3(1);
+  mean_edge /= static_cast<double>(count);
+  const double by_count = std::cbrt(width.x * width.y * width.z / (cells_a_placement * static_cast<double>(count)));
+  const double edge = std::max(by_count, 0.25 * mean_edge);
+  return glm::uvec3(glm::clamp(glm::ceil(width / edge), glm::dvec3(1.0), glm::dvec3(256.0)));
+}
+
+glm::uvec3 within_budget(glm::uvec3 size) {
+  size = glm::max(size, glm::uvec3(1));
+  while (static_cast<std::uint64_t>(size.x) * size.y > max_cells || std::uint64_t{size.x} * size.y * size.z > max_cells) {
+    std::uint32_t& largest = size.x >= size.y && size.x >= size.z ? size.x : size.y >= size.z ? size.y : size.z;
+    largest = (largest + 1) / 2;
+  }
+  return size;
+}
+
+/// Calls visit(cell index) for each cell that the placement can meet, in ascending order.
+template <class Visit>
+void for_each_cell(const Lookup& grid, const PlacedBox& placed, const Box& box, const glm::dvec3& frame_error,
+                   Visit&& visit) {
+  if (is_empty(box)) return;
+  const glm::dvec3 cell = (grid.hi - grid.lo) / glm::dvec3(grid.size);
+  // The shader rounds lo, p - lo and the product with cells a unit: four half ulps of numbers up to 2, and ulps of u.
+  const glm::dvec3 margin = frame_error + 8.0 * float_unit * (glm::abs(grid.lo) + 2.0) + 1e-6 * cell;
+  const glm::dvec3 last = glm::dvec3(grid.size) - 1.0;
+  const glm::uvec3 first(glm::clamp(glm::floor((box.lo - margin - grid.lo) / cell), glm::dvec3(0.0), last));
+  const glm::uvec3 end = glm::uvec3(glm::clamp(glm::floor((box.hi + margin - grid.lo) / cell), glm::dvec3(0.0), last)) + 1u;
+  for (std::uint32_t z = first.z; z < end.z; ++z) {
+    for (std::uint32_t y = first.y; y < end.y; ++y) {
+      for (std::uint32_t x = first.x; x < end.x; ++x) {
+        const glm::dvec3 center = grid.lo + (glm::dvec3(x, y, z) + 0.5) * cell;
+        if (!placed.everywhere && !may_meet(placed, center, 0.5 * cell + margin)) continue;
+        visit((z * grid.size.y + y) * grid.size.x + x);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+glm::dvec3 float_error(const Affine& affine, const glm::dvec3& reach) {
+  return 6.0 * float_unit * (abs_times(affine.linear, reach) + glm::abs(affine.translation));
+}
+
+std::span<const std::uint32_t> Lookup::at(const glm::dvec3& p) const {
+  const glm::dvec3 u = (p - lo) / (hi - lo) * glm::dvec3(size);
+  const glm::uvec3 c(glm::clamp(glm::floor(u), glm::dvec3(0.0), glm::dvec3(size) - 1.0));
+  const std::size_t cell = (std::size_t{c.z} * size.y + c.y) * size.x + c.x;
+  return std::span(lists).subspan(cells[cell], cells[cell + 1] - cells[cell]);
+}
+
+Lookup build_lookup(std::span<const PlacedBox> placements, const glm::uvec3& wish,
+                    const glm::dvec3& frame_error) {
+  std::vector<Box> boxes;
+  boxes.reserve(placements.size());
+  for (const PlacedBox& placed : placements) boxes.push_back(frame_bounds(placed));
+
+  Lookup grid;
+  const Box extent = union_of(boxes);
+  grid.lo = extent.lo;
+  grid.hi = extent.hi;
+  grid.size = within_budget(wish == glm::uvec3(0) ? choose_size(boxes, extent) : wish);
+
+  // Step 1: count the entries of each cell. Step 2: turn counts into starts. Step 3: fill, placements ascending.
+  const std::size_t cell_count = std::size_t{grid.size.x} * grid.size.y * grid.size.z;
+  grid.cells.assign(cell_count + 1, 0);
+  for (std::size_t i = 0; i < placements.size(); ++i) {
+    for_each_cell(grid, placements[i], boxes[i], frame_error, [&](std::uint32_t cell) { ++grid.cells[cell + 1]; });
+  }
+  grid.longest = *std::max_element(grid.cells.begin(), grid.cells.end());
+  std::partial_sum(grid.cells.begin(), grid.cells.end(), grid.cells.begin());
+  grid.lists.resize(grid.cells.back());
+  std::vector<std::uint32_t> next(grid.cells.begin(), grid.cells.end() - 1);
+  for (std::uint32_t i = 0; i < placements.size(); ++i) {
+    for_each_cell(grid, placements[i], boxes[i], frame_error, [&](std::uint32_t cell) { grid.lists[next[cell]++] = i; });
+  }
+  return grid;
+}
+
+}  // namespace dmvv::compiler

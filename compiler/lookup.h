@@ -1,0 +1,53 @@
+// Lookup grids: which seeds or candidates can hold a point. They change the cost of a search, never its answer.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "compiler/affine.h"
+
+namespace dmvv::compiler {
+
+/// Unit roundoff of float32.
+inline constexpr double float_unit = 0x1p-24;
+
+/// Bound of the float32 rounding error of each component of affine(p) for |p| <= reach, relative to the double result:
+/// the rounded matrix entry, the product and at most three sums, each half an ulp, and one to spare.
+glm::dvec3 float_error(const Affine& affine, const glm::dvec3& reach);
+
+/// A placed box: the points p whose local point lies in [lo, hi].
+struct PlacedBox {
+  Affine local_from_frame;
+  glm::dvec3 local_error{0.0};  ///< bound of the float32 error of the local point
+  glm::dvec3 lo{-1.0};
+  glm::dvec3 hi{1.0};
+  bool everywhere = false;  ///< tiled: holds every point
+};
+
+/// A uniform grid over [lo, hi] of the frame. A point outside belongs to the nearest cell.
+///
+/// lists[cells[c] .. cells[c + 1]) are the placements, ascending, whose box can hold a point of cell c; x runs fastest.
+struct Lookup {
+  glm::dvec3 lo{-1.0};
+  glm::dvec3 hi{1.0};
+  glm::uvec3 size{1};
+  std::vector<std::uint32_t> cells;
+  std::vector<std::uint32_t> lists;
+  std::uint32_t longest = 0;  ///< most entries in one cell
+
+  std::span<const std::uint32_t> at(const glm::dvec3& p) const;
+};
+
+/// Builds the grid for placements in a frame whose points lie in the standard cube.
+///
+/// Boxes and cells are widened by the float32 error of the shader's arithmetic, so that rounding never loses a
+/// placement: `frame_error` bounds the error of the point in the frame, PlacedBox::local_error that in the local box.
+/// `wish` is the author's size (0: chosen from number and extent of the placements); at most 2^21 cells.
+/// A wish of (1,1,1) gives the plain list.
+/// Cost: linear in the cells that the placements' boxes touch.
+/// Source: thesis section 3.2.1; separating axes of box faces (Gottschalk 2000), the edge pairs left out (conservative).
+Lookup build_lookup(std::span<const PlacedBox> placements, const glm::uvec3& wish,
+                    const glm::dvec3& frame_error = glm::dvec3(0.0));
+
+}  // namespace dmvv::compiler

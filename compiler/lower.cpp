@@ -1,0 +1,279 @@
+// Scene -> Module. Walks what the root reaches, composes matrices in double, orders objects by embedding.
+#include <algorithm>
+#include <map>
+
+#include "compiler/module.h"
+
+namespace dmvv::compiler {
+
+namespace {
+
+/// Maps ids of a scene's vector to ids of a module's vector; an entry is made when an id is first asked for.
+template <class From, class To = From>
+class Renumber {
+ public:
+  explicit Renumber(std::size_t count) : to_(count) {}
+  bool known(Id<From> id) const { return to_[id.index].valid(); }
+  Id<To>& operator[](Id<From> id) { return to_[id.index]; }
+
+ private:
+  std::vector<Id<To>> to_;
+};
+
+template <class T>
+Id<T> move_once(Renumber<T>& renumber, std::vector<T>& from, std::vector<T>& to, Id<T> id) {
+  if (!renumber.known(id)) renumber[id] = append(to, std::move(at(from, id)));
+  return renumber[id];
+}
+
+class Lowering {
+ public:
+  Lowering(voml::Scene scene, Diagnostics& diagnostics)
+      : scene_(std::move(scene)),
+        diagnostics_(diagnostics),
+        objects_(scene_.objects.size()),
+        sdfs_(scene_.sdfs.size()),
+        nodes_(scene_.nodes.size()),
+        grids_(scene_.grids.size()),
+        bitmaps_(scene_.bitmaps.size()),
+        functions_(scene_.functions.size()) {}
+
+  std::optional<Module> run() {
+    if (!order_objects()) return std::nullopt;
+    for (const Id<voml::Object> id : parents_first_) lower_object(id);
+    module_.root = objects_[scene_.root];
+    number_regions();
+    module_.depth = longest_chain();
+    return std::move(module_);
+  }
+
+ private:
+  std::vector<Id<voml::Region>> leaves(Id<voml::Object> object) const {
+    std::vector<Id<voml::Region>> found;
+    std::vector<Id<voml::Node>> pending{at(scene_.objects, object).root};
+    std::vector<bool> seen(scene_.nodes.size());
+    while (!pending.empty()) {
+      const Id<voml::Node> id = pending.back();
+      pending.pop_back();
+      if (seen[id.index]) continue;
+      seen[id.index] = true;
+      const auto& content = at(scene_.nodes, id).content;
+      if (const auto* region = std::get_if<Id<voml::Region>>(&content)) {
+        found.push_back(*region);
+      } else {
+        const auto& decision = std::get<voml::Decision>(content);
+        pending.push_back(decision.negative);
+        pending.push_back(decision.positive);
+      }
+    }
+    return found;
+  }
+
+  std::vector<Id<voml::Object>> embedded_in(Id<voml::Object> object) const {
+    std::vector<Id<voml::Object>> found;
+    for (const auto region : leaves(object)) {
+      for (const auto& group : at(scene_.regions, region).groups) {
+        for (const auto& embedded : group.embedded) found.push_back(embedded.object);
+      }
+    }
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
+  }
+
+  /// Depth-first with an explicit stack; the reverse of the order in which objects are finished has parents first.
+  bool order_objects() {
+    enum class Mark : std::uint8_t { unseen, open, done };
+    struct Visit {
+      Id<voml::Object> object;
+      std::vector<Id<voml::Object>> children;
+      std::size_t next = 0;
+    };
+    std::vector<Mark> marks(scene_.objects.size(), Mark::unseen);
+    std::vector<Visit> stack;
+    const auto enter = [&](Id<voml::Object> object) {
+      marks[object.index] = Mark::open;
+      stack.push_back({object, embedded_in(object)});
+    };
+    enter(scene_.root);
+    while (!stack.empty()) {
+      Visit& visit = stack.back();
+      if (visit.next == visit.children.size()) {
+        marks[visit.object.index] = Mark::done;
+        parents_first_.push_back(visit.object);
+        stack.pop_back();
+        continue;
+      }
+      const Id<voml::Object> child = visit.children[visit.next++];
+      if (marks[child.index] == Mark::open) {
+        report_cycle(stack, child);
+        return false;
+      }
+      if (marks[child.index] == Mark::unseen) enter(child);
+    }
+    std::reverse(parents_first_.begin(), parents_first_.end());
+    return true;
+  }
+
+  template <class Stack>
+  void report_cycle(const Stack& stack, Id<voml::Object> closes_at) {
+    const auto first =
+        std::find_if(stack.begin(), stack.end(), [&](const auto& visit) { return visit.object == closes_at; });
+    std::string cycle;
+    for (auto visit = first; visit != stack.end(); ++visit) cycle += at(scene_.objects, visit->object).name + " -> ";
+    const auto& object = at(scene_.objects, closes_at);
+    diagnostics_.report(Code::embedding_cycle, object.span, "objects embed each other: " + cycle + object.name);
+  }
+
+  void lower_object(Id<voml::Object> id) {
+    current_ = id;
+    objects_[id] = append(module_.objects, Object{at(scene_.objects, id).name, {}});
+    const Id<Node> root = lower_tree(at(scene_.objects, id).root);
+    at(module_.objects, objects_[id]).root = root;
+  }
+
+  /// Nodes in preorder; shared subtrees stay shared. The pending list holds the scene's node and the place in the
+  /// module that refers to it.
+  Id<Node> lower_tree(Id<voml::Node> root) {
+    enum class Side : std::uint8_t { positive, negative };
+    struct Pending {
+      Id<voml::Node> node;
+      Id<Node> parent;
+      Side side;
+    };
+    std::vector<Pending> pending{{root, {}, Side::positive}};
+    while (!pending.empty()) {
+      const auto [node, parent, side] = pending.back();
+      pending.pop_back();
+      if (!nodes_.known(node)) {
+        const auto& content = at(scene_.nodes, node).content;
+        if (const auto* region = std::get_if<Id<voml::Region>>(&content)) {
+          nodes_[node] = append(module_.nodes, Node{lower_region(*region)});
+        } else {
+          const auto& decision = std::get<voml::Decision>(content);
+          nodes_[node] = append(module_.nodes, Node{Decision{lower_sdf(decision.sdf), {}, {}}});
+          pending.push_back({decision.negative, nodes_[node], Side::negative});
+          pending.push_back({decision.positive, nodes_[node], Side::positive});
+        }
+      }
+      if (!parent.valid()) continue;
+      auto& refers = std::get<Decision>(at(module_.nodes, parent).content);
+      (side == Side::positive ? refers.positive : refers.negative) = nodes_[node];
+    }
+    return nodes_[root];
+  }
+
+  std::vector<Affine> placements(voml::Placement placement, const voml::Transform& transform,
+                                 Id<voml::SeedList> seeds) const {
+    if (placement != voml::Placement::seeded) return {local_from_object(transform)};
+    std::vector<Affine> result;
+    const auto& list = at(scene_.seed_lists, seeds).seeds;
+    result.reserve(list.size());
+    for (const auto& seed : list) result.push_back(local_from_object(combine(transform, seed)));
+    return result;
+  }
+
+  Id<Sdf> lower_sdf(Id<voml::Sdf> id) {
+    if (sdfs_.known(id)) return sdfs_[id];
+    const voml::Sdf& from = at(scene_.sdfs, id);
+    Sdf sdf;
+    sdf.name = from.name;
+    sdf.span = from.span;
+    if (const auto* grid = std::get_if<Id<voml::Grid>>(&from.source)) {
+      sdf.source = move_once(grids_, scene_.grids, module_.grids, *grid);
+    } else {
+      sdf.source = move_once(functions_, scene_.functions, module_.functions, std::get<Id<voml::Function>>(from.source));
+    }
+    sdf.placement = from.placement;
+    sdf.local_from_object = placements(from.placement, from.transform, from.seeds);
+    sdf.index_size = from.index_size.value_or(glm::uvec3(0));
+    sdf.iso = from.offset;
+    return sdfs_[id] = append(module_.sdfs, std::move(sdf));
+  }
+
+  /// A region that two objects use becomes two: paths name the object that the point is in.
+  Id<Region> lower_region(Id<voml::Region> id) {
+    const RegionUse use{id, current_};
+    if (const auto known = regions_.find(use); known != regions_.end()) return known->second;
+    const voml::Region& from = at(scene_.regions, id);
+    Region region;
+    region.name = from.name;
+    region.object = objects_[current_];
+    region.kind = from.kind;
+    region.rgb = from.rgb;
+    region.opacity = from.opacity;
+    if (from.kind == voml::RegionKind::bitmap) {
+      region.bitmap = move_once(bitmaps_, scene_.bitmaps, module_.bitmaps, from.bitmap);
+      region.texture_from_object = local_from_object(from.transform);
+    }
+    return regions_[use] = append(module_.regions, std::move(region));
+  }
+
+  /// Numbers follow the document (the map's order); groups are filled here, when every object has its id.
+  void number_regions() {
+    std::uint32_t number = 0;
+    for (const auto& [use, id] : regions_) {
+      Region& region = at(module_.regions, id);
+      if (region.kind != voml::RegionKind::empty) region.number = ++number;
+      const voml::Region& from = at(scene_.regions, use.first);
+      std::uint32_t first_number = 0;
+      for (const auto& group : from.groups) lower_group(group, region, first_number);
+    }
+  }
+
+  void lower_group(const voml::EmbeddingGroup& from, Region& region, std::uint32_t& first_number) {
+    CandidateGroup group;
+    if (from.index) {
+      group.box_from_object = local_from_object(from.index->transform);
+      group.index_size = from.index->size;
+    }
+    group.first_number = first_number;
+    for (const auto& embedded : from.embedded) {
+      const bool tiled = embedded.placement == voml::Placement::tiled;
+      for (const Affine& affine : placements(embedded.placement, embedded.transform, embedded.seeds)) {
+        group.candidates.push_back({objects_[embedded.object], affine, tiled});
+      }
+    }
+    first_number += static_cast<std::uint32_t>(group.candidates.size());
+    if (!group.candidates.empty()) region.groups.push_back(std::move(group));
+  }
+
+  std::uint32_t longest_chain() const {
+    // Objects stand before those they embed: going backwards, children are known first.
+    std::vector<std::uint32_t> below(module_.objects.size(), 1);
+    std::vector<std::vector<const Region*>> regions_of(module_.objects.size());
+    for (const Region& region : module_.regions) regions_of[region.object.index].push_back(&region);
+    for (std::size_t i = module_.objects.size(); i-- > 0;) {
+      for (const Region* region : regions_of[i]) {
+        for (const auto& group : region->groups) {
+          for (const auto& candidate : group.candidates) {
+            below[i] = std::max(below[i], below[candidate.object.index] + 1);
+          }
+        }
+      }
+    }
+    return below[module_.root.index];
+  }
+
+  voml::Scene scene_;
+  Diagnostics& diagnostics_;
+  Module module_;
+  std::vector<Id<voml::Object>> parents_first_;
+  Id<voml::Object> current_;
+  Renumber<voml::Object, Object> objects_;
+  Renumber<voml::Sdf, Sdf> sdfs_;
+  using RegionUse = std::pair<Id<voml::Region>, Id<voml::Object>>;
+  std::map<RegionUse, Id<Region>> regions_;
+  Renumber<voml::Node, Node> nodes_;
+  Renumber<voml::Grid> grids_;
+  Renumber<voml::Bitmap> bitmaps_;
+  Renumber<voml::Function> functions_;
+};
+
+}  // namespace
+
+std::optional<Module> lower(voml::Scene scene, Diagnostics& diagnostics) {
+  return Lowering(std::move(scene), diagnostics).run();
+}
+
+}  // namespace dmvv::compiler

@@ -1,0 +1,285 @@
+#include "compiler/reference.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
+
+#include "compiler/flatten.h"
+#include "compiler/lookup.h"
+
+namespace dmvv::compiler {
+
+namespace {
+
+// A grid may lie anywhere in an atlas of up to this many texels: bound of the texel error of a normalised coordinate.
+constexpr double atlas_texels = 2048.0;
+constexpr std::size_t shortest_indexed_list = 8;
+
+/// Whether a test passes, and whether float32 arithmetic must come to the same.
+struct Tested {
+  bool yes;
+  bool certain;
+};
+
+/// A point with the bound of its float32 error, component by component.
+struct Approximate {
+  glm::dvec3 p;
+  glm::dvec3 error;
+};
+
+Approximate apply(const Affine& affine, const Approximate& from) {
+  const glm::dmat3& m = affine.linear;
+  const glm::dvec3 carried = glm::abs(m[0]) * from.error.x + glm::abs(m[1]) * from.error.y + glm::abs(m[2]) * from.error.z;
+  return {affine(from.p), carried + float_error(affine, glm::abs(from.p))};
+}
+
+Tested in_box(const Approximate& q, const glm::dvec3& lo, const glm::dvec3& hi) {
+  // The bounds are rounded to float32 as well.
+  const glm::dvec3 slack = q.error + float_unit * glm::max(glm::abs(lo), glm::abs(hi));
+  const bool inside = glm::all(glm::greaterThanEqual(q.p, lo)) && glm::all(glm::lessThanEqual(q.p, hi));
+  const bool surely_in = glm::all(glm::greaterThan(q.p - slack, lo)) && glm::all(glm::lessThan(q.p + slack, hi));
+  const bool surely_out = glm::any(glm::lessThan(q.p + slack, lo)) || glm::any(glm::greaterThan(q.p - slack, hi));
+  return {inside, inside ? surely_in : surely_out};
+}
+
+Tested in_cube(const Approximate& q) { return in_box(q, glm::dvec3(-1.0), glm::dvec3(1.0)); }
+
+/// Wraps into [-1,1)^3; certain unless a component is within its error of a seam.
+Tested wrap(Approximate& q) {
+  const glm::dvec3 turns = (q.p + 1.0) * 0.5;
+  const glm::dvec3 to_seam = glm::abs(turns - glm::round(turns)) * 2.0;
+  q.error += 4.0 * float_unit * (glm::abs(q.p) + 1.0);
+  q.p -= 2.0 * glm::floor(turns);
+  return {true, glm::all(glm::greaterThan(to_seam, q.error))};
+}
+
+/// Largest difference between neighbouring samples along each axis: a Lipschitz bound of the trilinear interpolant in
+/// texels, and its largest magnitude.
+struct GridBounds {
+  glm::dvec3 slope{0.0};
+  double magnitude = 0.0;
+};
+
+GridBounds measure(const voml::Grid& grid) {
+  GridBounds bounds;
+  const std::size_t nx = grid.size.x, ny = grid.size.y, nz = grid.size.z;
+  const float* v = grid.values.data();
+  float slope[3] = {0, 0, 0};
+  float magnitude = 0;
+  for (std::size_t z = 0, i = 0; z < nz; ++z) {
+    for (std::size_t y = 0; y < ny; ++y) {
+      for (std::size_t x = 0; x < nx; ++x, ++i) {
+        magnitude = std::max(magnitude, std::abs(v[i]));
+        if (x + 1 < nx) slope[0] = std::max(slope[0], std::abs(v[i + 1] - v[i]));
+        if (y + 1 < ny) slope[1] = std::max(slope[1], std::abs(v[i + nx] - v[i]));
+        if (z + 1 < nz) slope[2] = std::max(slope[2], std::abs(v[i + nx * ny] - v[i]));
+      }
+    }
+  }
+  bounds.slope = glm::dvec3(slope[0], slope[1], slope[2]);
+  bounds.magnitude = magnitude;
+  return bounds;
+}
+
+}  // namespace
+
+double sample(const voml::Grid& grid, const glm::dvec3& q) {
+  const glm::dvec3 last(grid.size - 1u);
+  const glm::dvec3 u = (q - grid.box_lo) / (grid.box_hi - grid.box_lo) * glm::dvec3(grid.size) - 0.5;
+  const glm::dvec3 c = glm::clamp(u, glm::dvec3(0.0), last);
+  const glm::dvec3 base = glm::min(glm::floor(c), glm::max(last - 1.0, glm::dvec3(0.0)));
+  const glm::dvec3 w = c - base;
+  const glm::uvec3 lo(base);
+  const glm::uvec3 hi = glm::min(lo + 1u, grid.size - 1u);
+  const auto value = [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return static_cast<double>(grid.values[(std::size_t{z} * grid.size.y + y) * grid.size.x + x]);
+  };
+  const double v00 = glm::mix(value(lo.x, lo.y, lo.z), value(hi.x, lo.y, lo.z), w.x);
+  const double v10 = glm::mix(value(lo.x, hi.y, lo.z), value(hi.x, hi.y, lo.z), w.x);
+  const double v01 = glm::mix(value(lo.x, lo.y, hi.z), value(hi.x, lo.y, hi.z), w.x);
+  const double v11 = glm::mix(value(lo.x, hi.y, hi.z), value(hi.x, hi.y, hi.z), w.x);
+  return glm::mix(glm::mix(v00, v10, w.y), glm::mix(v01, v11, w.y), w.z);
+}
+
+struct Reference::Impl {
+  const Module& module;
+  Options options;
+  std::vector<GridBounds> grid_bounds;
+  std::vector<LocalBox> boxes;                            // of each SDF
+  std::vector<std::optional<Lookup>> seeds;               // of each SDF
+  std::vector<std::vector<std::optional<Lookup>>> groups;  // of each region and group
+
+  Impl(const Module& m, Options o) : module(m), options(o) {
+    for (const voml::Grid& grid : module.grids) grid_bounds.push_back(measure(grid));
+    for (const Sdf& sdf : module.sdfs) {
+      boxes.push_back(local_box(sdf, module));
+      seeds.emplace_back();
+      if (indexed(sdf.local_from_object.size())) seeds.back() = build_lookup(placed_boxes(sdf, module), glm::uvec3(0));
+    }
+    for (const Region& region : module.regions) {
+      groups.emplace_back();
+      for (const CandidateGroup& group : region.groups) {
+        groups.back().emplace_back();
+        if (!indexed(group.candidates.size())) continue;
+        groups.back().back() = build_lookup(placed_boxes(group), glm::uvec3(0), lookup_frame_error(group));
+      }
+    }
+  }
+
+  bool indexed(std::size_t count) const { return options.use_index && count >= shortest_indexed_list; }
+
+  /// Calls visit(index) for each entry that the lookup lists at p (all `count` without one) until it returns false.
+  template <class Visit>
+  static void for_each(const std::optional<Lookup>& lookup, std::size_t count, const glm::dvec3& p, Visit&& visit) {
+    if (lookup) {
+      for (const std::uint32_t i : lookup->at(p)) {
+        if (!visit(i)) return;
+      }
+    } else {
+      for (std::uint32_t i = 0; i < count; ++i) {
+        if (!visit(i)) return;
+      }
+    }
+  }
+
+  /// f(q) <= iso at a local point inside its box.
+  Tested below_iso(const Sdf& sdf, const Approximate& q) const {
+    const auto id = std::get<Id<voml::Grid>>(sdf.source);
+    const voml::Grid& grid = at(module.grids, id);
+    const double value = sample(grid, q.p);
+    const glm::dvec3 texels_per_unit = glm::dvec3(grid.size) / (grid.box_hi - grid.box_lo);
+    // The atlas coordinate takes a product and a sum, the sampler scales it up and subtracts a half.
+    const glm::dvec3 texel_error = q.error * texels_per_unit + 6.0 * float_unit * atlas_texels;
+    const GridBounds& bounds = grid_bounds[id.index];
+    const double error = glm::dot(texel_error, bounds.slope) +
+                         8.0 * float_unit * (bounds.magnitude + std::abs(sdf.iso)) + 1e-30;
+    return {value <= sdf.iso, std::abs(value - sdf.iso) > error};
+  }
+
+  /// Below iso at one placement: its box holds the point, and the source is negative there.
+  Tested placed_negative(std::size_t sdf_index, const Affine& affine, const Approximate& p) const {
+    const Sdf& sdf = module.sdfs[sdf_index];
+    Approximate q = apply(affine, p);
+    bool certain = true;
+    if (sdf.placement == voml::Placement::tiled) certain = wrap(q).certain;
+    const Tested held = in_box(q, boxes[sdf_index].lo, boxes[sdf_index].hi);
+    if (!held.yes && held.certain) return {false, certain};
+    const Tested below = below_iso(sdf, q);
+    if (!held.yes) return {false, certain && below.certain && !below.yes};
+    // A point in the box by a hair is certain all the same if the source is surely positive.
+    return {below.yes, certain && below.certain && (held.certain || !below.yes)};
+  }
+
+  Tested negative(Id<Sdf> id, const Approximate& p) const {
+    const Sdf& sdf = at(module.sdfs, id);
+    bool any = false, any_certain = false, all_certain = true;
+    for_each(seeds[id.index], sdf.local_from_object.size(), p.p, [&](std::uint32_t i) {
+      const Tested placed = placed_negative(id.index, sdf.local_from_object[i], p);
+      any = any || placed.yes;
+      any_certain = any_certain || (placed.yes && placed.certain);
+      all_certain = all_certain && placed.certain;
+      return !any_certain;
+    });
+    return {any, any_certain || all_certain};
+  }
+
+  Id<Region> region_at(Id<Object> object, const Approximate& p, bool& certain) const {
+    Id<Node> node = at(module.objects, object).root;
+    while (const auto* decision = std::get_if<Decision>(&at(module.nodes, node).content)) {
+      const Tested side = negative(decision->sdf, p);
+      certain = certain && side.certain;
+      node = side.yes ? decision->negative : decision->positive;
+    }
+    return std::get<Id<Region>>(at(module.nodes, node).content);
+  }
+
+  /// Evaluates an object at a point of its cube. True if it is not empty there; then `out` has the answer.
+  bool evaluate(Id<Object> object, const Approximate& p, ReferenceAnswer& out) const {
+    const Id<Region> id = region_at(object, p, out.certain);
+    const Region& region = at(module.regions, id);
+    out.path.push_back({id.index, 0});
+    for (std::size_t g = 0; g < region.groups.size(); ++g) {
+      if (ask_group(region.groups[g], groups[id.index][g], p, out)) return true;
+    }
+    if (region.number != 0) {
+      out.path.back().candidate = 0;
+      out.number = region.number;
+      out.rgba = color(region, p.p);
+      return true;
+    }
+    out.path.pop_back();
+    return false;
+  }
+
+  bool ask_group(const CandidateGroup& group, const std::optional<Lookup>& lookup, const Approximate& p,
+                 ReferenceAnswer& out) const {
+    Approximate in_frame = p;
+    if (group.box_from_object) {
+      in_frame = apply(*group.box_from_object, p);
+      const Tested held = in_cube(in_frame);
+      out.certain = out.certain && held.certain;
+      if (!held.yes) return false;
+    }
+    const std::size_t level = out.path.size() - 1;
+    bool found = false;
+    for_each(lookup, group.candidates.size(), in_frame.p, [&](std::uint32_t i) {
+      out.path[level].candidate = group.first_number + i;
+      found = ask(group.candidates[i], p, out);
+      return !found;
+    });
+    return found;
+  }
+
+  bool ask(const Candidate& candidate, const Approximate& p, ReferenceAnswer& out) const {
+    Approximate q = apply(candidate.local_from_parent, p);
+    if (candidate.tiled) {
+      out.certain = wrap(q).certain && out.certain;
+      return evaluate(candidate.object, q, out);
+    }
+    const Tested held = in_cube(q);
+    out.certain = out.certain && held.certain;
+    return held.yes && evaluate(candidate.object, q, out);
+  }
+
+  glm::dvec4 color(const Region& region, const glm::dvec3& p) const {
+    if (region.kind != voml::RegionKind::bitmap) return {region.rgb, region.opacity};
+    const glm::dvec4 texel = wrapped_texel(at(module.bitmaps, region.bitmap), region.texture_from_object(p));
+    return {glm::dvec3(texel), texel.a * region.opacity};
+  }
+
+  /// Trilinear with wrap-around; the cube [-1,1) of q is the bitmap once.
+  static glm::dvec4 wrapped_texel(const voml::Bitmap& bitmap, const glm::dvec3& q) {
+    const double n = bitmap.n;
+    const glm::dvec3 u = (q + 1.0) * 0.5;
+    const glm::dvec3 c = (u - glm::floor(u)) * n - 0.5;
+    const glm::dvec3 base = glm::floor(c);
+    const glm::dvec3 w = c - base;
+    const auto texel = [&](int dx, int dy, int dz) {
+      const glm::ivec3 i = (glm::ivec3(base) + glm::ivec3(dx, dy, dz) + glm::ivec3(bitmap.n)) % glm::ivec3(bitmap.n);
+      return glm::dvec4(bitmap.texels[(std::size_t(i.z) * bitmap.n + i.y) * bitmap.n + i.x]) / 255.0;
+    };
+    const glm::dvec4 v00 = glm::mix(texel(0, 0, 0), texel(1, 0, 0), w.x);
+    const glm::dvec4 v10 = glm::mix(texel(0, 1, 0), texel(1, 1, 0), w.x);
+    const glm::dvec4 v01 = glm::mix(texel(0, 0, 1), texel(1, 0, 1), w.x);
+    const glm::dvec4 v11 = glm::mix(texel(0, 1, 1), texel(1, 1, 1), w.x);
+    return glm::mix(glm::mix(v00, v10, w.y), glm::mix(v01, v11, w.y), w.z);
+  }
+};
+
+Reference::Reference(const Module& module) : Reference(module, Options{}) {}
+Reference::Reference(const Module& module, Options options) : impl_(std::make_unique<Impl>(module, options)) {}
+Reference::Reference(Reference&&) noexcept = default;
+Reference::~Reference() = default;
+
+ReferenceAnswer Reference::evaluate(const glm::dvec3& p) const {
+  ReferenceAnswer answer;
+  const Approximate root{p, float_unit * glm::abs(p)};
+  const Tested held = in_cube(root);
+  answer.certain = held.certain;
+  if (held.yes) impl_->evaluate(impl_->module.root, root, answer);
+  return answer;
+}
+
+}  // namespace dmvv::compiler

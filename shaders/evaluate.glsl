@@ -1,0 +1,49 @@
+// What every generated evaluation shares: the hit it reports, the standard cube, placements and lookups.
+// Comes after shaders/records.h and the bindings. Set by the generator: DMVV_DEPTH (levels), DMVV_PATHS (record the way
+// to the region), DMVV_LISTS (there are lists to search).
+
+// The answer at one point. hit_number 0: nothing found (yet).
+uint hit_number = 0u;
+uint hit_region = 0u;          // index of the region that answers
+vec3 hit_p = vec3(0.0);        // the point in that region's object
+bool hit_unfinished = false;   // a loop ended before its list did: the device's limit of loop rounds
+#ifdef DMVV_PATHS
+uint hit_levels = 0u;
+uint hit_path[2 * DMVV_DEPTH];  // (region, candidate) a level
+#endif
+
+void answer(uint region, uint number, vec3 p, uint level) {
+  hit_number = number;
+  hit_region = region;
+  hit_p = p;
+#ifdef DMVV_PATHS
+  hit_levels = level + 1u;
+  hit_path[2u * level] = region;
+  hit_path[2u * level + 1u] = 0u;
+#endif
+}
+
+// Notes by which candidate the answer below `level` was reached.
+void came_through(uint region, uint candidate, uint level) {
+#ifdef DMVV_PATHS
+  hit_path[2u * level] = region;
+  hit_path[2u * level + 1u] = candidate;
+#endif
+}
+
+bool in_box(vec3 q, vec3 lo, vec3 hi) { return all(greaterThanEqual(q, lo)) && all(lessThanEqual(q, hi)); }
+bool in_cube(vec3 q) { return all(lessThanEqual(abs(q), vec3(1.0))); }
+vec3 wrap_cube(vec3 q) { return q - 2.0 * floor((q + 1.0) * 0.5); }
+
+vec3 apply(AffineRows a, vec3 p) {
+  return vec3(dot(a.x.xyz, p) + a.x.w, dot(a.y.xyz, p) + a.y.w, dot(a.z.xyz, p) + a.z.w);
+}
+
+#ifdef DMVV_LISTS
+// The range of the point's cell in lists.
+uvec2 find_cell(vec3 p, vec3 lo, vec3 cells_per_unit, uvec3 size, uint first_cell) {
+  uvec3 c = uvec3(clamp(floor((p - lo) * cells_per_unit), vec3(0.0), vec3(size - 1u)));
+  uint cell = first_cell + (c.z * size.y + c.y) * size.x + c.x;
+  return uvec2(cells[cell], cells[cell + 1u]);
+}
+#endif

@@ -1,0 +1,130 @@
+// The conformance scenes: small, each one feature of the language. Every evaluator must agree on all of them.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/support/scenes.h"
+
+namespace dmvv::tests {
+
+struct SceneCase {
+  std::string name;
+  std::string text;
+  Files files;
+};
+
+inline std::string vector_lines(Random& random, int count, double lo, double hi) {
+  std::string text;
+  for (int i = 0; i < count; ++i) {
+    const glm::dvec3 v = random.point(lo, hi);
+    text += fmt::format("{:.6f} {:.6f} {:.6f}\n", v.x, v.y, v.z);
+  }
+  return text;
+}
+
+/// A chain of `levels` objects, each embedding the next at `scale`, off centre, with a boundary of its own.
+inline std::string chain_scene(int levels, double scale) {
+  std::string text = "<MVV>\n";
+  for (int i = levels - 1; i >= 0; --i) {
+    const std::string inner =
+        i + 1 < levels ? fmt::format("<EMBEDDED name='L{}' translate='0.1 0.05 -0.1' rotate='10 20 30' scale='{} {} {}'/>",
+                                     i + 1, scale, scale, scale)
+                       : std::string();
+    text += fmt::format(
+        "<OBJECT name='L{}'><SDF name='S' file='ball.lxn'/><REGION name='IN' type='color' rgb='{} 0.5 0.2'>{}</REGION>"
+        "<REGION name='OUT' type='empty'/><MAPPINGS><SDF name='S'><POSITIVE><REGION name='OUT'/></POSITIVE>"
+        "<NEGATIVE><REGION name='IN'/></NEGATIVE></SDF></MAPPINGS></OBJECT>\n",
+        i, static_cast<double>(i) / levels, inner);
+  }
+  return text + "</MVV>\n";
+}
+
+inline std::vector<SceneCase> make_conformance_scenes() {
+  std::vector<SceneCase> scenes;
+  const std::string ball = sphere_lxn(24, 0.8);
+  const auto one_sdf = [](const std::string& sdf, const std::string& regions) {
+    return "<MVV><OBJECT name='A'>" + sdf + regions +
+           "<MAPPINGS><SDF name='S'><POSITIVE><REGION name='OUT'/></POSITIVE>"
+           "<NEGATIVE><REGION name='IN'/></NEGATIVE></SDF></MAPPINGS></OBJECT></MVV>";
+  };
+  const std::string in_out = "<REGION name='IN' type='color' rgb='1 0 0'/><REGION name='OUT' type='color' rgb='0 0 1'/>";
+
+  scenes.push_back({"cube", "<MVV><OBJECT name='A'><REGION name='R' type='color' rgb='0.2 0.4 0.6'/></OBJECT></MVV>", {}});
+  scenes.push_back({"ball", one_sdf("<SDF name='S' file='ball.lxn'/>", in_out), {{"ball.lxn", ball}}});
+  scenes.push_back({"offset", one_sdf("<SDF name='S' file='ball.lxn' offset='-0.25'/>", in_out), {{"ball.lxn", ball}}});
+  scenes.push_back({"transformed",
+                    one_sdf("<SDF name='S' file='ball.lxn' translate='0.2 -0.1 0.3' rotate='20 40 60' scale='0.5 0.8 -0.3'/>", in_out),
+                    {{"ball.lxn", ball}}});
+  scenes.push_back({"boxed grid",
+                    one_sdf("<SDF name='S' file='part.lxn'/>", in_out),
+                    {{"part.lxn", voml::write_lxn(grid_of({9, 12, 7}, [](glm::dvec3 p) { return glm::length(p) - 0.7; },
+                                                          {-0.5, -0.75, -0.25}, {0.75, 0.5, 0.5}))}}});
+  scenes.push_back({"tiled", one_sdf("<SDF name='S' type='tiling' file='ball.lxn' scale='0.25 0.25 0.4' rotate='0 0 30'/>", in_out),
+                    {{"ball.lxn", ball}}});
+  Random random(7);
+  const Files seeds{{"ball.lxn", ball},
+                    {"p.txt", vector_lines(random, 300, -0.5, 0.5)},
+                    {"r.txt", vector_lines(random, 300, -180, 180)},
+                    {"s.txt", vector_lines(random, 300, 0.03, 0.12)}};
+  scenes.push_back({"seeded",
+                    one_sdf("<SDF name='S' type='seeding' file='ball.lxn' seedFile='p.txt' rotateFile='r.txt' scaleFile='s.txt'/>", in_out),
+                    seeds});
+  scenes.push_back({"seeded with coarse index",
+                    one_sdf("<SDF name='S' type='seeding' index='3 2 1' file='ball.lxn' seedFile='p.txt' rotateFile='r.txt' scaleFile='s.txt'/>", in_out),
+                    seeds});
+
+  const std::string cell =
+      "<OBJECT name='CELL'><SDF name='WALL' file='ball.lxn'/><SDF name='NUCLEUS' file='ball.lxn' scale='0.4 0.4 0.4' "
+      "translate='0.1 0 0'/><REGION name='PLASMA' type='color' rgb='0.9 0.8 0.7'/><REGION name='CORE' type='color' "
+      "rgb='0.5 0.1 0.1'/><REGION name='NONE' type='empty'/><MAPPINGS name='CELL'><SDF name='WALL'><POSITIVE "
+      "region='NONE'/><NEGATIVE><SDF name='NUCLEUS'><POSITIVE region='PLASMA'/><NEGATIVE region='CORE'/></SDF>"
+      "</NEGATIVE></SDF></MAPPINGS></OBJECT>";
+  const auto tissue = [&](const std::string& embedded, const std::string& kind = "type='color' rgb='0.3 0.6 0.3'") {
+    return "<MVV>" + cell + "<OBJECT name='TISSUE'><REGION name='MATRIX' " + kind + ">" + embedded + "</REGION></OBJECT></MVV>";
+  };
+  scenes.push_back({"embedded seeds",
+                    tissue("<EMBEDDED name='CELL' seedFile='p.txt' rotateFile='r.txt' scaleFile='s.txt'/>"), seeds});
+  scenes.push_back({"embedded in an empty region",
+                    tissue("<EMBEDDED name='CELL' seedFile='p.txt' rotateFile='r.txt' scaleFile='s.txt'/>", "type='empty'"), seeds});
+  scenes.push_back({"overlapping candidates in order",
+                    tissue("<EMBEDDED name='CELL' scale='0.5 0.5 0.5'/><EMBEDDED name='CELL' translate='0.3 0 0' scale='0.5 0.5 0.5'/>"
+                           "<EMBEDDED name='CELL' translate='0 0.3 0' scale='0.5 0.6 0.5' rotate='0 0 45'/>"),
+                    {{"ball.lxn", ball}}});
+  scenes.push_back({"index boxes",
+                    tissue("<EMBEDDED name='CELL' translate='-0.6 -0.6 0' scale='0.3 0.3 0.3'/><INDEX size='4 4 4' translate='0.25 0 0' "
+                           "rotate='0 0 20' scale='0.6 0.9 0.9'><EMBEDDED name='CELL' seedFile='p.txt' rotateFile='r.txt' scaleFile='s.txt'/>"
+                           "</INDEX><INDEX size='1 1 1' scale='0.001 0.001 0.001'><EMBEDDED name='CELL' scale='0.5 0.5 0.5'/></INDEX>"),
+                    seeds});
+  scenes.push_back({"tiled embedding", tissue("<EMBEDDED name='CELL' type='tiling' scale='0.2 0.3 0.2' rotate='0 30 0'/>"),
+                    {{"ball.lxn", ball}}});
+  scenes.push_back({"chain of 6", chain_scene(6, 0.7), {{"ball.lxn", ball}}});
+  scenes.push_back({"chain of 20", chain_scene(20, 0.9), {{"ball.lxn", ball}}});
+  scenes.push_back(
+      {"two levels, second comes back empty",
+       "<MVV>" + cell +
+           "<OBJECT name='TUBE'><REGION name='LUMEN' type='empty'><EMBEDDED name='CELL' scale='0.5 0.5 0.5'/></REGION></OBJECT>"
+           "<OBJECT name='ROOT'><REGION name='BASE' type='color' rgb='0 0 0'><EMBEDDED name='TUBE' scale='0.8 0.8 0.8'/>"
+           "<EMBEDDED name='CELL' scale='0.9 0.9 0.9'/></REGION></OBJECT></MVV>",
+       {{"ball.lxn", ball}}});
+  return scenes;
+}
+
+inline const std::vector<SceneCase>& conformance_scenes() {
+  static const std::vector<SceneCase> scenes = make_conformance_scenes();
+  return scenes;
+}
+
+/// The scene of that name; there is one.
+inline const SceneCase& conformance_scene(const std::string& name) {
+  for (const SceneCase& scene : conformance_scenes()) {
+    if (scene.name == name) return scene;
+  }
+  FAIL("no conformance scene named " << name);
+  return conformance_scenes().front();
+}
+
+}  // namespace dmvv::tests

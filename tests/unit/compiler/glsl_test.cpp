@@ -1,0 +1,137 @@
+#include "compiler/generate_glsl.h"
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+
+#include "tests/support/scene_table.h"
+
+using namespace dmvv;
+using compiler::Codegen;
+using compiler::CompileOptions;
+
+namespace {
+
+const std::string& pixels(const compiler::Program& program) { return program.glsl[1]; }
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("float literals read back as the same value and are floats to GLSL") {
+  for (const float value : {0.0f, -0.0f, 1.0f, -3.0f, 0.1f, 1e-30f, 1e30f, 16777216.0f, 1.1754944e-38f}) {
+    const std::string text = compiler::glsl_float(value);
+    CAPTURE(text);
+    CHECK(std::strtof(text.c_str(), nullptr) == value);
+    CHECK(text.find_first_of(".e") != std::string::npos);
+  }
+}
+
+TEST_CASE("every conformance scene compiles and validates in every form") {
+  for (const auto& scene : tests::conformance_scenes()) {
+    CAPTURE(scene.name);
+    const auto module = tests::lowered(scene.text, scene.files);
+    CompileOptions options;
+    tests::compiled(module, options);
+    options.codegen = Codegen::table;
+    tests::compiled(module, options);
+    options.codegen = Codegen::specialised;
+    options.inlined_line_budget = 150;  // cuts somewhere in the larger ones
+    tests::compiled(module, options);
+    for (const auto& pass : compiler::pass_names()) options.disabled_passes.emplace_back(pass.name);
+    options.inlined_line_budget = 1000;
+    tests::compiled(module, options);
+  }
+}
+
+TEST_CASE("what a scene does not need is not in its shader") {
+  const auto cube = tests::compiled(tests::lowered(tests::conformance_scene("cube").text));
+  CHECK(cube.buffers.empty());
+  CHECK(cube.textures.empty());
+  CHECK_FALSE(has(pixels(cube), "grid_atlas"));
+  CHECK_FALSE(has(pixels(cube), "bitmap_atlas"));
+
+  const auto& ball = tests::conformance_scene("ball");
+  const auto program = tests::compiled(tests::lowered(ball.text, ball.files));
+  CHECK(program.buffers.empty());
+  REQUIRE(program.textures.size() == 1);
+  CHECK(program.textures[0].extent == glm::uvec3(26));  // 24 and a border, no power of two
+  CHECK_FALSE(has(pixels(program), "in_cube(q)"));       // the identity needs no box test
+}
+
+TEST_CASE("specialised code loops over instances of one object instead of repeating it") {
+  const auto& scene = tests::conformance_scene("embedded seeds");
+  const auto program = tests::compiled(tests::lowered(scene.text, scene.files));
+  std::size_t calls = 0;
+  for (std::size_t at = 0; (at = pixels(program).find("object_1(q", at)) != std::string::npos; ++at) ++calls;
+  CHECK(calls == 1);
+  CHECK(program.statistics.candidates == 300);
+}
+
+TEST_CASE("beyond the budget objects are cut, at last the root") {
+  const auto module = tests::lowered(tests::chain_scene(40, 0.9), {{"ball.lxn", tests::sphere_lxn(8, 0.8)}});
+  CompileOptions options;
+  options.inlined_line_budget = 400;
+  const auto program = tests::compiled(module, options);
+  CHECK(program.statistics.inlined_lines <= 400);
+  CHECK(program.statistics.object_codegen.front() == "L0: specialised");
+  CHECK(has(program.statistics.object_codegen.back(), "table"));
+  options.inlined_line_budget = 1;
+  CHECK(has(tests::compiled(module, options).statistics.object_codegen.front(), "L0: table"));
+}
+
+TEST_CASE("a diamond of objects does not grow exponentially") {
+  std::string text = "<MVV><OBJECT name='D0'><REGION name='R' type='color' rgb='1 0 0'/></OBJECT>";
+  for (int i = 1; i <= 30; ++i) {
+    text += fmt::format(
+        "<OBJECT name='D{0}'><REGION name='R' type='color' rgb='1 0 0'><EMBEDDED name='D{1}' scale='0.5 0.5 0.5'/></REGION>"
+        "<REGION name='Q' type='color' rgb='1 0 0'><EMBEDDED name='D{1}' scale='0.5 0.5 0.5'/></REGION><SDF name='S' "
+        "file='p.lxn'/><MAPPINGS><SDF name='S'><POSITIVE region='R'/><NEGATIVE region='Q'/></SDF></MAPPINGS></OBJECT>",
+        i, i - 1);
+  }
+  const auto program = tests::compiled(tests::lowered(text + "</MVV>", {{"p.lxn", tests::plane_lxn()}}));
+  CHECK(program.statistics.inlined_lines <= 1000);
+  CHECK(program.statistics.glsl_lines < 2000);
+}
+
+TEST_CASE("the same scene gives the same bytes") {
+  for (const auto& scene : tests::conformance_scenes()) {
+    const auto module = tests::lowered(scene.text, scene.files);
+    const auto a = tests::compiled(module), b = tests::compiled(module);
+    CHECK(a.glsl[0] == b.glsl[0]);
+    CHECK(a.glsl[1] == b.glsl[1]);
+    CHECK(a.spirv[1] == b.spirv[1]);
+    CHECK(a.records_text == b.records_text);
+  }
+}
+
+TEST_CASE("limits of the device are diagnostics that name them") {
+  const auto& scene = tests::conformance_scene("ball");
+  CompileOptions options;
+  options.max_extent_3d = 16;
+  Diagnostics atlas;
+  CHECK_FALSE(compiler::compile(tests::lowered(scene.text, scene.files), options, atlas));
+  CHECK(atlas.all().at(0).code == Code::atlas_too_large);
+
+  options = {};
+  options.codegen = Codegen::table;
+  options.max_storage_buffer = 10;
+  Diagnostics buffers;
+  CHECK_FALSE(compiler::compile(tests::lowered(scene.text, scene.files), options, buffers));
+  CHECK(buffers.all().at(0).code == Code::buffer_too_large);
+
+  Diagnostics deep;
+  CHECK_FALSE(compiler::compile(tests::lowered(tests::chain_scene(300, 0.99), {{"ball.lxn", tests::sphere_lxn(2, 0.8)}}), {}, deep));
+  CHECK(deep.all().at(0).code == Code::embedding_too_deep);
+}
+
+TEST_CASE("analytic SDFs are refused at their place") {
+  Diagnostics diagnostics;
+  const auto module = tests::lowered(
+      "<MVV><OBJECT name='A'>\n<SDF name='S' function='true'>return length(p) - 0.5;</SDF><REGION name='R' type='color' "
+      "rgb='1 0 0'/></OBJECT></MVV>");
+  CHECK_FALSE(compiler::compile(module, {}, diagnostics));
+  REQUIRE(diagnostics.all().size() == 1);
+  CHECK(diagnostics.all()[0].code == Code::function_not_supported);
+  CHECK(diagnostics.all()[0].span.source.valid());
+}
