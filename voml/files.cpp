@@ -1,1 +1,122 @@
 #include "voml/files.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <new>
+#include <system_error>
+
+namespace dmvv {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, CloseFile>;
+
+auto cannot(std::string_view what, Fault fault, const std::string& path, std::string_view why) {
+  return fail(fault, fmt::format("cannot {} '{}': {}", what, path, why));
+}
+
+std::string reason(int error_number) { return std::generic_category().message(error_number); }
+
+Result<std::string> read_whole(const std::string& path, std::uint64_t max_bytes) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found) return cannot("read", Fault::input, path, "no such file");
+  if (fs::is_directory(status)) return cannot("read", Fault::input, path, "it is a directory");
+  if (status.type() == fs::file_type::none) return cannot("read", Fault::input, path, error.message());
+  if (!fs::is_regular_file(status)) return cannot("read", Fault::input, path, "not a regular file");
+  const std::uint64_t size = fs::file_size(path, error);
+  if (error) return cannot("read", Fault::input, path, error.message());
+  if (size > max_bytes) {
+    return cannot("read", Fault::input, path, fmt::format("it has {} bytes, at most {} are allowed", size, max_bytes));
+  }
+  const File file(std::fopen(path.c_str(), "rb"));
+  if (!file) return cannot("read", Fault::input, path, reason(errno));
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  if (std::fread(bytes.data(), 1, bytes.size(), file.get()) != bytes.size()) {
+    return cannot("read", Fault::input, path, std::ferror(file.get()) ? reason(errno) : "it shrank while being read");
+  }
+  return bytes;
+}
+
+std::string normal(const std::string& path) { return fs::path(path).lexically_normal().generic_string(); }
+
+bool write_and_close(File file, std::string_view bytes) {
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
+  return std::fclose(file.release()) == 0 && written;
+}
+
+}  // namespace
+
+ReadFile disk_files() {
+  return [](const std::string& path, std::uint64_t max_bytes) -> Result<std::string> {
+    try {
+      return read_whole(path, max_bytes);
+    } catch (const std::bad_alloc&) {
+      return cannot("read", Fault::environment, path, "not enough memory");
+    } catch (const std::exception& e) {
+      return cannot("read", Fault::environment, path, e.what());
+    }
+  };
+}
+
+ReadFile memory_files(std::map<std::string, std::string> files) {
+  std::map<std::string, std::string> by_path;
+  for (auto& [path, bytes] : files) by_path[normal(path)] = std::move(bytes);
+  return [by_path = std::move(by_path)](const std::string& path, std::uint64_t max_bytes) -> Result<std::string> {
+    const std::string name = normal(path);
+    const auto found = by_path.find(name);
+    if (found == by_path.end()) {
+      const auto below = by_path.lower_bound(name + "/");
+      const bool directory = below != by_path.end() && below->first.starts_with(name + "/");
+      return cannot("read", Fault::input, path, directory ? "it is a directory" : "no such file");
+    }
+    const std::uint64_t size = found->second.size();
+    if (size > max_bytes) {
+      return cannot("read", Fault::input, path,
+                    fmt::format("it has {} bytes, at most {} are allowed", size, max_bytes));
+    }
+    return found->second;
+  };
+}
+
+Result<void> write_file(const std::string& path, std::string_view bytes) {
+  try {
+    const fs::path target(path);
+    const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+    std::error_code error;
+    if (!fs::is_directory(folder, error)) {
+      return cannot("write", Fault::input, path, fmt::format("the folder '{}' does not exist", folder.string()));
+    }
+    if (path.empty() || fs::is_directory(target, error)) {
+      return cannot("write", Fault::input, path, path.empty() ? "the name is empty" : "it is a directory");
+    }
+    const std::string temporary = fmt::format("{}.{}.tmp", path, ::getpid());
+    File file(std::fopen(temporary.c_str(), "wb"));
+    if (!file) return cannot("write", Fault::environment, path, reason(errno));
+    if (!write_and_close(std::move(file), bytes)) {
+      const int number = errno;
+      std::remove(temporary.c_str());
+      return cannot("write", Fault::environment, path, reason(number));
+    }
+    if (std::rename(temporary.c_str(), path.c_str()) != 0) {
+      const int number = errno;
+      std::remove(temporary.c_str());
+      return cannot("write", Fault::environment, path, reason(number));
+    }
+    return {};
+  } catch (const std::exception& e) {
+    return cannot("write", Fault::environment, path, e.what());
+  }
+}
+
+}  // namespace dmvv

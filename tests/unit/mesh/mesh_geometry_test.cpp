@@ -1,0 +1,79 @@
+#include <glm/geometric.hpp>
+
+#include "tests/unit/mesh/mesh_test.h"
+
+namespace dmvv::test {
+
+namespace {
+
+double signed_volume(const voml::Mesh& mesh) {
+  double volume = 0.0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    volume += glm::dot(mesh.positions[t.x], glm::cross(mesh.positions[t.y], mesh.positions[t.z])) / 6.0;
+  }
+  return volume;
+}
+
+}  // namespace
+
+TEST_CASE("the standard cube is closed, faces outwards and spans -1 to 1") {
+  const voml::Mesh cube = voml::standard_cube();
+  CHECK(cube.positions.size() == 8);
+  CHECK(cube.triangles.size() == 12);
+  CHECK(signed_volume(cube) == doctest::Approx(8.0));
+  CHECK(voml::count_open_edges(cube) == 0);
+  CHECK(voml::bounds(cube).lo == glm::dvec3(-1.0));
+  CHECK(voml::bounds(cube).hi == glm::dvec3(1.0));
+  for (const glm::uvec3& t : cube.triangles) {
+    const glm::dvec3 a = cube.positions[t.x], b = cube.positions[t.y], c = cube.positions[t.z];
+    CHECK(glm::dot(glm::cross(b - a, c - a), a + b + c) > 0.0);
+  }
+}
+
+TEST_CASE("bounds hold the triangles, not the vertices that none uses") {
+  voml::Mesh mesh{{{1, 2, 3}, {4, 0, 3}, {2, 2, 9}, {100, 100, 100}}, {{0, 1, 2}}};
+  CHECK(voml::bounds(mesh).lo == glm::dvec3(1, 0, 3));
+  CHECK(voml::bounds(mesh).hi == glm::dvec3(4, 2, 9));
+}
+
+TEST_CASE("open edges: a missing triangle leaves three, a lone one has three") {
+  voml::Mesh cube = voml::standard_cube();
+  cube.triangles.pop_back();
+  CHECK(voml::count_open_edges(cube) == 3);
+  cube.triangles.resize(1);
+  CHECK(voml::count_open_edges(cube) == 3);
+}
+
+TEST_CASE("open edges: a triangle turned around disagrees with its three neighbours") {
+  voml::Mesh cube = voml::standard_cube();
+  std::swap(cube.triangles[5].x, cube.triangles[5].y);
+  CHECK(voml::count_open_edges(cube) == 3);
+}
+
+TEST_CASE("open edges: four triangles at an edge are counted, split vertices are not") {
+  voml::Mesh cube = voml::standard_cube();
+  // A second cube that shares the edge x = y = 1.
+  voml::Mesh second = cube;
+  for (glm::dvec3& p : second.positions) p += glm::dvec3(2, 2, 0);
+  voml::Mesh both = cube;
+  both.positions.insert(both.positions.end(), second.positions.begin(), second.positions.end());
+  for (const glm::uvec3& t : second.triangles) both.triangles.push_back(t + 8u);
+  CHECK(voml::count_open_edges(both) == 1);
+
+  voml::Mesh split;
+  for (const glm::uvec3& t : cube.triangles) {
+    const auto first = static_cast<std::uint32_t>(split.positions.size());
+    for (int corner = 0; corner < 3; ++corner) split.positions.push_back(cube.positions[t[corner]]);
+    split.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  CHECK(voml::count_open_edges(split) == 0);
+}
+
+TEST_CASE("open edges: a triangle without area neither opens nor closes anything") {
+  voml::Mesh cube = voml::standard_cube();
+  cube.triangles.emplace_back(0, 1, 1);
+  cube.triangles.emplace_back(2, 2, 2);
+  CHECK(voml::count_open_edges(cube) == 0);
+}
+
+}  // namespace dmvv::test

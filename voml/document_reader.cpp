@@ -1,0 +1,146 @@
+// A VOML file and its imports -> Draft.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <unordered_set>
+
+#include "voml/attributes.h"
+#include "voml/draft.h"
+#include "voml/limits.h"
+#include "voml/object_reader.h"
+
+namespace dmvv::voml {
+namespace {
+
+class DocumentReader {
+ public:
+  DocumentReader(const ReadFile& files, Draft& draft, Diagnostics& diagnostics)
+      : files_(files), draft_(draft), diagnostics_(diagnostics) {}
+
+  void read(const std::string& path);
+
+ private:
+  /// A file that is being read: its imports are read where they stand. Without recursion: chains may be long.
+  struct OpenFile {
+    std::string path;
+    std::unique_ptr<XmlDocument> document;
+    Span root;
+    Children children;
+    std::size_t next = 0;
+  };
+
+  bool open(const std::string& path, Span named_at);
+  bool check_root(Element root);
+  void import(Element element);
+  void report_import_cycle(const std::string& path, Span named_at);
+
+  const ReadFile& files_;
+  Draft& draft_;
+  Diagnostics& diagnostics_;
+  std::size_t elements_left_ = max_elements;
+  std::vector<std::unique_ptr<OpenFile>> open_;  // importing files first
+  std::unordered_set<std::string> seen_;
+};
+
+void DocumentReader::read(const std::string& path) {
+  if (!open(path, Span{})) {
+    draft_.incomplete = true;
+    return;
+  }
+  const Span root = open_.front()->root;
+  const std::vector<std::size_t> unknown = open_.front()->children.unknown;
+  while (!open_.empty()) {
+    OpenFile& file = *open_.back();
+    if (file.next == file.children.elements.size()) {
+      open_.pop_back();
+      continue;
+    }
+    const Element element = file.children.elements[file.next++];
+    if (element.tag() == Tag::import_file) {
+      import(element);
+    } else {
+      const Id<Object> object = read_object(element, file.path, draft_, diagnostics_);
+      if (open_.size() == 1) draft_.last_object = object;
+    }
+  }
+  if (!draft_.scene.objects.empty()) {
+    if (!draft_.last_object.valid()) draft_.last_object = {static_cast<std::uint32_t>(draft_.scene.objects.size() - 1)};
+  } else if (!draft_.incomplete && !blame_misspelt({{}, unknown}, Tag::object, draft_)) {
+    diagnostics_.report(Code::no_object, root, "the scene defines no OBJECT");
+  }
+}
+
+bool DocumentReader::open(const std::string& path, Span named_at) {
+  seen_.insert(path);
+  auto text = files_(path, max_file_bytes);
+  if (!text) {
+    diagnostics_.report(Code::cannot_read_file, named_at, text.error().message);
+    return false;
+  }
+  auto document = XmlDocument::parse(diagnostics_.add_source(path, std::move(*text)), elements_left_, diagnostics_);
+  if (!document) return false;
+  const Element root{document.get(), document->root()};
+  if (!check_root(root)) return false;
+  Attributes(root, {}, diagnostics_).report_unknown();
+  Children children = children_of(root, {Tag::object, Tag::import_file}, false, draft_, diagnostics_);
+  open_.push_back(
+      std::make_unique<OpenFile>(OpenFile{path, std::move(document), root.name_span(), std::move(children)}));
+  return true;
+}
+
+/// False if there is no sense in reading on.
+bool DocumentReader::check_root(Element root) {
+  if (same_word(root.name(), "MVV")) return true;
+  if (root.tag() == Tag::mvv) {
+    diagnostics_.report(Code::root_spelling, root.name_span(),
+                        fmt::format("the outermost element is spelt {}; its name is 'MVV'", in_quotes(root.name())));
+    return true;
+  }
+  const bool near = nearest_name(root.title(), {"MVV"}).has_value();
+  diagnostics_.report(Code::wrong_root_element, root.name_span(),
+                      fmt::format("the outermost element is {}, it must be 'MVV'", in_quotes(root.name())));
+  return near;
+}
+
+void DocumentReader::import(Element element) {
+  Attributes attributes(element, {"file"}, diagnostics_);
+  const auto name = attributes.required_text("file");
+  attributes.report_unknown();
+  children_of(element, {}, false, draft_, diagnostics_);
+  if (!name) {
+    draft_.incomplete = true;
+    return;
+  }
+  const Span named_at = attributes.span("file");
+  const std::string path = path_beside(open_.back()->path, *name);
+  if (seen_.contains(path)) {
+    const bool is_open = std::any_of(open_.begin(), open_.end(), [&](const auto& file) { return file->path == path; });
+    if (is_open) report_import_cycle(path, named_at);
+    return;  // a file that two others import is read once
+  }
+  if (seen_.size() >= max_documents) {
+    diagnostics_.report(Code::scene_too_large, named_at,
+                        fmt::format("the scene has more than {} files up to here", max_documents));
+    draft_.incomplete = true;
+  } else if (!open(path, named_at)) {
+    draft_.incomplete = true;
+  }
+}
+
+void DocumentReader::report_import_cycle(const std::string& path, Span named_at) {
+  std::vector<std::string_view> chain;
+  for (const auto& file : open_) {
+    if (!chain.empty() || file->path == path) chain.push_back(file->path);
+  }
+  chain.push_back(path);
+  diagnostics_.report(Code::import_cycle, named_at,
+                      fmt::format("{} imports itself: {}", in_quotes(path), shortened_chain(chain)));
+}
+
+}  // namespace
+
+void read_documents(const std::string& path, const ReadFile& files, Draft& draft, Diagnostics& diagnostics) {
+  DocumentReader(files, draft, diagnostics).read(path);
+}
+
+}  // namespace dmvv::voml

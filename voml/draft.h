@@ -1,0 +1,66 @@
+// Inside voml: a scene while it is read: everything is there but what the names refer to.
+#pragma once
+
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "voml/assets.h"
+#include "voml/scene.h"
+#include "voml/xml_document.h"
+
+namespace dmvv::voml {
+
+/// What an object defines, by name.
+struct ObjectNames {
+  std::unordered_map<std::string, Id<Sdf>> sdfs;
+  std::unordered_map<std::string, Id<Region>> regions;
+};
+
+/// A node of a tree whose SDF or region is given by name.
+struct NodeReference {
+  Id<Object> object;  ///< the tree's
+  Id<Node> node;
+  Tag kind;  ///< sdf or region
+  std::string name;
+  Span span;
+};
+
+/// An EMBEDDED element's reference to its object.
+struct ObjectReference {
+  Id<Region> region;
+  std::size_t group;
+  std::size_t embedded;
+  std::string name;
+  Span span;
+};
+
+/// An unknown element. A warning by itself; if something is missing that it would have been, it is that error instead.
+struct UnknownElement {
+  std::string name;
+  Span span;
+  std::string parent;        ///< the element it stands in
+  Tag meant = Tag::unknown;  ///< what it may be a typo of
+  std::string defines;       ///< its attribute `name`
+  bool needed = false;
+};
+
+struct Draft {
+  Scene scene;
+  Assets assets;
+  Id<Object> last_object;          ///< of the document itself, imports left aside
+  std::vector<ObjectNames> names;  ///< parallel to scene.objects
+  std::unordered_map<std::string, Id<Object>> objects;
+  std::vector<NodeReference> node_references;
+  std::vector<ObjectReference> object_references;
+  std::vector<UnknownElement> unknown_elements;
+  bool incomplete = false;  ///< a file is missing or malformed: names that it may define are not reported
+};
+
+/// Reads a document and what it imports into `draft`: objects, definitions, trees. Errors are reported.
+void read_documents(const std::string& path, const ReadFile& files, Draft& draft, Diagnostics& diagnostics);
+
+/// Connects names with what they refer to, reports unknown elements, chooses the root, refuses embedding cycles.
+void resolve_names(Draft& draft, const ReadOptions& options, Diagnostics& diagnostics);
+
+}  // namespace dmvv::voml

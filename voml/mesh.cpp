@@ -1,0 +1,289 @@
+#include "voml/mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <glm/common.hpp>
+#include <limits>
+#include <new>
+
+#include "voml/mesh_readers.h"
+
+namespace dmvv::voml {
+
+// ---- text ----
+
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
+bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+/// A token as messages show it: short, and free of control characters.
+std::string quoted(std::string_view token) {
+  constexpr std::size_t longest = 32;
+  std::string shown(token.substr(0, longest));
+  for (char& c : shown) {
+    if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f) c = '?';
+  }
+  return "'" + shown + (token.size() > longest ? "...'" : "'");
+}
+
+}  // namespace
+
+bool equals_ignoring_case(std::string_view word, std::string_view lower_word) {
+  return std::ranges::equal(word, lower_word, {}, lower);
+}
+
+std::size_t TextCursor::continuation_length() const {
+  if (!continuation_ || text_[position_] != '\\') return 0;
+  const std::string_view after = text_.substr(position_ + 1, 2);
+  if (after.starts_with("\r\n")) return 3;
+  return !after.empty() && is_line_end(after[0]) ? 2 : 0;
+}
+
+void TextCursor::skip_blanks() {
+  while (position_ < text_.size()) {
+    const std::size_t step = is_blank(text_[position_]) ? 1 : continuation_length();
+    if (step == 0) return;
+    position_ += step;
+  }
+}
+
+void TextCursor::skip_space() {
+  while (position_ < text_.size() && (is_blank(text_[position_]) || is_line_end(text_[position_]))) ++position_;
+}
+
+bool TextCursor::at_line_end() {
+  skip_blanks();
+  return at_end() || is_line_end(text_[position_]);
+}
+
+bool TextCursor::at_comment() {
+  skip_blanks();
+  return !at_end() && text_[position_] == '#';
+}
+
+void TextCursor::next_line() {
+  while (position_ < text_.size() && !is_line_end(text_[position_])) {
+    position_ += std::max<std::size_t>(1, continuation_length());
+  }
+  if (text_.substr(position_, 2) == "\r\n") ++position_;
+  if (!at_end()) ++position_;
+}
+
+std::string_view TextCursor::token() {
+  skip_blanks();
+  token_begin_ = position_;
+  while (position_ < text_.size() && !is_blank(text_[position_]) && !is_line_end(text_[position_]) &&
+         continuation_length() == 0) {
+    ++position_;
+  }
+  return text_.substr(token_begin_, position_ - token_begin_);
+}
+
+std::string_view TextCursor::rest_of_line() {
+  skip_blanks();
+  token_begin_ = position_;
+  while (position_ < text_.size() && !is_line_end(text_[position_])) ++position_;
+  std::string_view rest = text_.substr(token_begin_, position_ - token_begin_);
+  while (!rest.empty() && is_blank(rest.back())) rest.remove_suffix(1);
+  return rest;
+}
+
+double TextCursor::number(std::string_view what) {
+  const std::string_view word = token();
+  if (word.empty()) refuse_missing(what);
+  const std::string_view digits = word.starts_with('+') ? word.substr(1) : word;
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error == std::errc::result_out_of_range) {
+    refuse_token(Code::mesh_number_not_finite,
+                 fmt::format("{} is {}, beyond the range of double precision", what, quoted(word)));
+  }
+  if (error != std::errc() || end != digits.data() + digits.size()) {
+    refuse_token(Code::mesh_syntax, fmt::format("expected {}, a number, found {}", what, quoted(word)));
+  }
+  if (!std::isfinite(value)) {
+    refuse_token(Code::mesh_number_not_finite, fmt::format("{} is {}, not a finite number", what, quoted(word)));
+  }
+  return value;
+}
+
+std::int64_t TextCursor::integer(std::string_view what) {
+  const std::string_view word = token();
+  if (word.empty()) refuse_missing(what);
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || end != word.data() + word.size()) {
+    refuse_token(Code::mesh_syntax, fmt::format("expected {}, an integer, found {}", what, quoted(word)));
+  }
+  return value;
+}
+
+void TextCursor::refuse_token(Code code, std::string message) const {
+  throw MeshRefusal{code, token_begin_, position_, std::move(message)};
+}
+
+void TextCursor::refuse_here(Code code, std::string message) const {
+  throw MeshRefusal{code, position_, position_, std::move(message)};
+}
+
+void TextCursor::refuse_missing(std::string_view what) const {
+  if (at_end()) refuse_here(Code::mesh_truncated, fmt::format("the file ends where {} is expected", what));
+  refuse_here(Code::mesh_syntax, fmt::format("the line ends where {} is expected", what));
+}
+
+// ---- geometry ----
+
+void append_fan(std::span<const std::uint32_t> corners, std::vector<glm::uvec3>& triangles) {
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i) triangles.emplace_back(corners[0], corners[i], corners[i + 1]);
+}
+
+namespace {
+
+std::uint64_t hash(const glm::dvec3& p) {
+  std::uint64_t h = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    h ^= std::bit_cast<std::uint64_t>(p[axis] + 0.0);  // -0 and 0 are equal
+    h *= 0x9e3779b97f4a7c15u;
+    h ^= h >> 32;
+  }
+  return h;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> weld(std::span<const glm::dvec3> positions) {
+  constexpr std::uint32_t vacant = 0xffffffffu;
+  std::vector<std::uint32_t> slots(std::bit_ceil(2 * positions.size() + 1), vacant);
+  const std::size_t mask = slots.size() - 1;
+  std::vector<std::uint32_t> first(positions.size());
+  for (std::uint32_t i = 0; i < positions.size(); ++i) {
+    std::size_t slot = hash(positions[i]) & mask;
+    while (slots[slot] != vacant && positions[slots[slot]] != positions[i]) slot = (slot + 1) & mask;
+    if (slots[slot] == vacant) slots[slot] = i;
+    first[i] = slots[slot];
+  }
+  return first;
+}
+
+Bounds bounds(const Mesh& mesh) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Bounds box{glm::dvec3(infinity), glm::dvec3(-infinity)};
+  for (const glm::uvec3& triangle : mesh.triangles) {
+    for (int corner = 0; corner < 3; ++corner) {
+      box.lo = glm::min(box.lo, mesh.positions[triangle[corner]]);
+      box.hi = glm::max(box.hi, mesh.positions[triangle[corner]]);
+    }
+  }
+  return box;
+}
+
+std::size_t count_open_edges(const Mesh& mesh) {
+  // Every edge of every triangle, as (smaller, larger) vertex, apart by the direction in which it is passed.
+  const std::vector<std::uint32_t> first = weld(mesh.positions);
+  std::vector<std::uint64_t> upward, downward;
+  upward.reserve(mesh.triangles.size() * 3 / 2);
+  downward.reserve(mesh.triangles.size() * 3 / 2);
+  for (const glm::uvec3& triangle : mesh.triangles) {
+    const glm::uvec3 v(first[triangle.x], first[triangle.y], first[triangle.z]);
+    if (v.x == v.y || v.y == v.z || v.z == v.x) continue;  // no area: its neighbours meet each other
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::uint64_t a = v[corner], b = v[(corner + 1) % 3];
+      if (a < b) {
+        upward.push_back(a << 32 | b);
+      } else {
+        downward.push_back(b << 32 | a);
+      }
+    }
+  }
+  std::ranges::sort(upward);
+  std::ranges::sort(downward);
+
+  // An edge is closed if it was passed once in each direction.
+  std::size_t open = 0;
+  for (std::size_t u = 0, d = 0; u < upward.size() || d < downward.size();) {
+    const std::uint64_t edge = u == upward.size()     ? downward[d]
+                               : d == downward.size() ? upward[u]
+                                                      : std::min(upward[u], downward[d]);
+    std::size_t up = 0, down = 0;
+    for (; u < upward.size() && upward[u] == edge; ++u) ++up;
+    for (; d < downward.size() && downward[d] == edge; ++d) ++down;
+    if (up != 1 || down != 1) ++open;
+  }
+  return open;
+}
+
+Mesh standard_cube() {
+  Mesh cube;
+  for (int i = 0; i < 8; ++i) cube.positions.emplace_back(i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0);
+  const std::uint32_t faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                                     {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+  for (const auto& face : faces) append_fan(face, cube.triangles);
+  return cube;
+}
+
+// ---- files ----
+
+namespace {
+
+Mesh read_mesh(const std::string& path, std::string_view bytes) {
+  const auto named = [&](std::string_view ending) {
+    return path.size() >= ending.size() && equals_ignoring_case(std::string_view(path).substr(path.size() - 4), ending);
+  };
+  if (bytes.size() > 0xffffffffu) {
+    throw MeshRefusal{.code = Code::mesh_too_large,
+                      .message = fmt::format("the mesh has {} bytes; at most 4294967295 are read", bytes.size())};
+  }
+  if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r") || named(".ply")) return read_ply(bytes);
+  if (looks_like_stl(bytes) || named(".stl")) return read_stl(bytes);
+  if (named(".obj")) return read_obj(bytes);
+  throw MeshRefusal{.code = Code::mesh_unknown_format,
+                    .message = "unknown mesh format; the formats read are OBJ (by its ending .obj), PLY and STL"};
+}
+
+void report(const MeshRefusal& refusal, const std::string& path, std::string_view bytes, Diagnostics& diagnostics) {
+  if (!refusal.in_text) {
+    const SourceId source = diagnostics.add_source(path, {});
+    diagnostics.report(refusal.code, {source}, fmt::format("{} (at byte {})", refusal.message, refusal.begin));
+    return;
+  }
+  // The text up to the end of the line in question is all that a message can show.
+  const std::size_t shown = std::min(bytes.find_first_of("\r\n", refusal.end), bytes.size());
+  const SourceId source = diagnostics.add_source(path, std::string(bytes.substr(0, shown)));
+  diagnostics.report(refusal.code,
+                     {source, static_cast<std::uint32_t>(refusal.begin), static_cast<std::uint32_t>(refusal.end)},
+                     refusal.message);
+}
+
+}  // namespace
+
+std::optional<Mesh> parse_mesh(const std::string& path, std::string_view bytes, Diagnostics& diagnostics) {
+  try {
+    Mesh mesh = read_mesh(path, bytes);
+    if (mesh.triangles.empty()) {
+      throw MeshRefusal{.code = Code::mesh_without_triangles, .message = "the mesh has no triangle"};
+    }
+    return mesh;
+  } catch (const MeshRefusal& refusal) {
+    // A place in the data is worth naming only where there is one.
+    const bool whole_file = refusal.code == Code::mesh_unknown_format || refusal.code == Code::mesh_too_large ||
+                            refusal.code == Code::mesh_without_triangles;
+    if (whole_file) {
+      diagnostics.report(refusal.code, {diagnostics.add_source(path, {})}, refusal.message);
+    } else {
+      report(refusal, path, bytes, diagnostics);
+    }
+  } catch (const std::bad_alloc&) {
+    diagnostics.report(Code::mesh_too_large, {diagnostics.add_source(path, {})},
+                       fmt::format("a mesh file of {} bytes does not fit into memory", bytes.size()));
+  }
+  return std::nullopt;
+}
+
+}  // namespace dmvv::voml

@@ -1,0 +1,82 @@
+// Private to voml/mesh*.cpp: what the readers of the mesh formats share.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "voml/diagnostics.h"
+#include "voml/mesh.h"
+
+namespace dmvv::voml {
+
+/// Thrown by the readers at the first fault, since nothing after it can be trusted; parse_mesh turns it into a
+/// diagnostic. Bytes [begin, end) of a text, or the offset `begin` into binary data.
+struct MeshRefusal {
+  Code code;
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  std::string message;
+  bool in_text = true;
+};
+
+/// Walks through a text token by token. Tokens are separated by blanks; a token never holds a line's end.
+class TextCursor {
+ public:
+  /// With `continuation`, a backslash at the end of a line counts as a blank (OBJ).
+  explicit TextCursor(std::string_view text, bool continuation = false) : text_(text), continuation_(continuation) {}
+
+  bool at_end() const { return position_ == text_.size(); }
+  std::size_t position() const { return position_; }
+  std::size_t remaining() const { return text_.size() - position_; }
+  std::size_t token_begin() const { return token_begin_; }
+
+  void skip_blanks();               ///< within the line
+  void skip_space();                ///< blanks and line ends
+  bool at_line_end();               ///< after blanks; true at the end of the text
+  bool at_comment();                ///< after blanks, at a '#'
+  void next_line();                 ///< behind the line's end, continuations included
+  std::string_view token();         ///< the next token of this line; empty at its end
+  std::string_view rest_of_line();  ///< without the blanks around it
+
+  /// The next token of this line as a finite number. `what` names it in messages: "a coordinate".
+  double number(std::string_view what);
+  /// The next token of this line as an integer.
+  std::int64_t integer(std::string_view what);
+
+  /// Refuses the token read last.
+  [[noreturn]] void refuse_token(Code code, std::string message) const;
+  /// Refuses the place where the cursor stands.
+  [[noreturn]] void refuse_here(Code code, std::string message) const;
+
+ private:
+  std::size_t continuation_length() const;
+  [[noreturn]] void refuse_missing(std::string_view what) const;
+
+  std::string_view text_;
+  bool continuation_;
+  std::size_t position_ = 0;
+  std::size_t token_begin_ = 0;
+};
+
+/// Adds the triangles (0, i, i + 1) of a polygon.
+void append_fan(std::span<const std::uint32_t> corners, std::vector<glm::uvec3>& triangles);
+
+/// For each position the index of the first one with equal coordinates. Cost: linear.
+std::vector<std::uint32_t> weld(std::span<const glm::dvec3> positions);
+
+/// Equal case-insensitively; `lower` is in lower case.
+bool equals_ignoring_case(std::string_view word, std::string_view lower);
+
+// The formats. Each returns a mesh whose positions are finite and whose indices are in range, or throws MeshRefusal.
+Mesh read_obj(std::string_view bytes);
+Mesh read_ply(std::string_view bytes);
+Mesh read_stl(std::string_view bytes);
+
+/// True if the bytes can only be an STL file: text that begins with "solid", or as long as a binary STL says it is.
+bool looks_like_stl(std::string_view bytes);
+
+}  // namespace dmvv::voml
