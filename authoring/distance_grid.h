@@ -13,13 +13,13 @@ namespace dmvv::authoring {
 struct GridOptions {
   std::uint32_t resolution = 64;  ///< samples along the longest side of the grid's box, 4..512
   double padding = 0.05;          ///< empty border around the mesh, as a share of its longest side, 0..1
-  bool fit = true;                ///< scale the mesh (uniformly, centred) so that it with its padding fills the standard cube
-  unsigned threads = 0;           ///< 0: as many as there are cores; never changes the result
+  bool fit = true;       ///< scale the mesh (uniformly, centred) so that it with its padding fills the standard cube
+  unsigned threads = 0;  ///< 0: as many as there are cores; never changes the result
 };
 
 struct GridReport {
   std::size_t open_edges = 0;
-  double cube_from_mesh_scale = 1.0;         ///< cube = scale * mesh + offset
+  double cube_from_mesh_scale = 1.0;  ///< cube = scale * mesh + offset
   glm::dvec3 cube_from_mesh_offset{0.0};
 };
 
@@ -28,8 +28,11 @@ struct GridReport {
 ///
 /// Sign: negative where the generalised winding number exceeds 1/2 (Jacobson et al. 2013), evaluated hierarchically
 /// (Barill et al. 2018); holes and stray shells do not flip it, a mesh turned inside out as a whole is turned back.
-/// Errors (input): a mesh without extent; a mesh that leaves the cube when `fit` is off.
-/// Cost: O(samples * log triangles).
+/// Box: voxels are cubes, sizes are rounded up; its corners are values that an LXN file holds exactly.
+/// Errors (input): options out of range; a mesh without extent or too small for its coordinates' precision; a mesh that
+/// leaves the cube when `fit` is off. Errors (environment): not enough memory.
+/// Progress: rises to 1, reported from the calling thread.
+/// Cost: O(samples * log triangles); some 300 bytes a triangle besides the grid.
 Result<voml::Grid> distance_grid(const voml::Mesh& mesh, const GridOptions& options, GridReport& report,
                                  const std::function<void(double done)>& progress = {});
 
