@@ -18,9 +18,10 @@
 namespace dmvv::runtime {
 
 struct DeviceOptions {
-  std::string name;         ///< part of a device's name, any case; empty: the first discrete GPU, else integrated, else CPU
+  std::string name;  ///< part of a device's name, any case; empty: the first discrete GPU, else integrated, else CPU
   bool validation = false;  ///< Khronos validation layer on; its messages are collected
-  bool cache = true;        ///< false: the driver's shader cache is switched off for this process (--no-cache)
+  bool cache =
+      true;  ///< false: the driver's shader cache is switched off for this process, by its environment (--no-cache)
 };
 
 /// Limits of a device that a program must respect, in the units of the Vulkan specification.
@@ -73,11 +74,15 @@ class Evaluator {
   static Result<Evaluator> create(Device& device, const compiler::Program& program, Timings* timings = nullptr);
 
   /// The scene at points in root coordinates (rounded to float32). Answers in the order of the points.
-  /// Needs the points kernel. Errors: environment; input if the device ran out of loop rounds at some point.
+  /// Needs the points kernel. Adds "pipeline" (first use) and "probe" to `timings`. Errors: environment; input if the
+  /// device ran out of loop rounds at some point.
   Result<std::vector<compiler::PointAnswer>> probe(std::span<const glm::dvec3> points, Timings* timings = nullptr);
 
-  /// One picture. Needs the pixels kernel. Adds "pipeline" (first use: the driver's compilation included, by an empty
-  /// dispatch) and "frame" to `timings`.
+  /// One picture. Needs the pixels kernel. Adds "pipeline" (first use for slices, for surfaces, for cut surfaces: the
+  /// driver's compilation included, by drawing 8x8 pixels) and "frame" to `timings`. A mesh drawn before is kept on the
+  /// device. Errors (input): views that cannot be drawn (sides times samples beyond 16384 or the device's limit, more
+  /// than 64 cuts, a broken mesh or camera), pixels for which the device ran out of loop rounds; else environment.
+  /// Memory: some 190 MiB on the device at most, whatever the size; the picture itself on the host.
   Result<Picture> render(const View& view, Timings* timings = nullptr);
 
   struct Impl;

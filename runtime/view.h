@@ -20,7 +20,7 @@ namespace dmvv::runtime {
 struct Camera {
   glm::dvec3 eye{0.0, 0.0, 5.0};
   glm::dvec3 look{0.0};
-  glm::dvec3 up{0.0, 1.0, 0.0};
+  glm::dvec3 up{0.0, 1.0, 0.0};  ///< where it is along the view, +y is taken, or +z where that is too
   double fov_deg = 30.0;
 };
 
@@ -36,20 +36,21 @@ struct View {
   glm::uvec2 size_px{1280, 720};
   Camera camera;
   const voml::Mesh* mesh = nullptr;  ///< support mesh; null: the standard cube
-  std::vector<Plane> cuts;           ///< n.x > d is taken away, the section is capped
+  std::vector<Plane> cuts;           ///< n.x > d is taken away, the section is capped; at most 64
   std::optional<Plane> slice;        ///< a section instead of a perspective picture; camera, mesh, cuts are ignored
   Shading shading = Shading::lit;    ///< slices are never lit
-  std::uint32_t samples = 1;         ///< per pixel along each axis; the picture is the mean of samples^2
+  std::uint32_t samples = 1;         ///< per pixel along each axis, 1..16; the picture is the mean of samples^2
   bool want_regions = false;
   bool want_depth = false;
 };
 
 struct Picture {
   glm::uvec2 size_px{0};
-  std::vector<float> rgba;              ///< straight alpha, rows from the top, 0..1, sRGB as shown
-  std::vector<std::uint32_t> regions;   ///< if asked for; at sample (0, 0) of each pixel when samples > 1
-  std::vector<float> depth;             ///< if asked for: distance along the view direction, object units; infinity where empty
-  std::size_t open_edges = 0;           ///< of the support mesh when cut: caps of an open mesh may leak
+  std::vector<float> rgba;             ///< straight alpha, rows from the top, 0..1, sRGB as shown
+  std::vector<std::uint32_t> regions;  ///< if asked for; at sample (0, 0) of each pixel when samples > 1
+  std::vector<float>
+      depth;  ///< if asked for: distance along the view direction, root units (0 on a slice); infinity where empty
+  std::size_t open_edges = 0;  ///< of the support mesh when cut: caps of an open mesh may leak
 };
 
 /// "eye 3 2 4 look 0 0 0 fov 30", optional "up x y z"; words in any order, eye and look needed.
@@ -61,8 +62,9 @@ Result<Plane> parse_slice(std::string_view text);
 /// "1280x720", 1..16384 each.
 Result<glm::uvec2> parse_size(std::string_view text);
 
-/// A camera from the front, right and above (toward (0.55, 0.45, 1) normalised) that frames `bounds` with a small margin at this
-/// aspect ratio; with cuts, it looks from the side that most of the cuts' normals face.
+/// A camera from the front, right and above (toward (0.55, 0.45, 1) normalised) that frames `bounds` with a margin of 6
+/// % at this aspect ratio; with cuts, from that of the directions (0.55, 0.45, 1), (1, 0.45, 0.55), (0.55, 1, 0.45),
+/// with any signs, from which the most sections are seen, and those most squarely.
 Camera default_camera(const voml::Bounds& bounds, glm::uvec2 size_px, std::span<const Plane> cuts);
 
 /// Where the middle of pixel (0, 0) of a slice lies in root coordinates, and the steps to the right and down.
@@ -74,9 +76,9 @@ struct SliceFrame {
 };
 SliceFrame slice_frame(const Plane& plane, glm::uvec2 size_px);
 
-/// Writes a picture: .png (8 bit, straight alpha), .tif/.tiff (16 bit, straight), .exr (float, premultiplied as the format wants).
-/// Two writes of the same picture give the same bytes. By way of a temporary name.
-/// Errors: input fault for an unknown ending or a folder that does not exist.
+/// Writes a picture: .png (8 bit, straight alpha), .tif/.tiff (16 bit, straight), .exr (float, premultiplied as the
+/// format wants). Two writes of the same picture give the same bytes. By way of a temporary name. Errors: input fault
+/// for an unknown ending or a folder that does not exist.
 Result<void> write_picture(const std::string& path, const Picture& picture);
 /// Region numbers: .exr (one uint channel "region"), .png / .tif (16 bit grey; refused if a number exceeds 65,535).
 Result<void> write_regions(const std::string& path, const Picture& picture);

@@ -1,0 +1,328 @@
+// Opens a Vulkan device: instance, validation, choice of the device, queue; and makes its buffers and images.
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <chrono>
+#include <cstdlib>
+#include <string_view>
+
+#include "runtime/gpu.h"
+
+namespace dmvv::runtime {
+namespace {
+
+constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
+
+VKAPI_ATTR VkBool32 VKAPI_CALL collect_message(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                                               const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+  auto& log = *static_cast<MessageLog*>(user);
+  try {
+    const std::lock_guard lock(log.mutex);
+    log.messages.emplace_back(data->pMessage);
+  } catch (...) {  // a driver must not see an exception
+  }
+  return VK_FALSE;
+}
+
+vk::DebugUtilsMessengerCreateInfoEXT messenger_info(MessageLog& log) {
+  using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
+  using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
+  return {.messageSeverity = Severity::eWarning | Severity::eError,
+          .messageType = Type::eValidation | Type::ePerformance,
+          .pfnUserCallback = collect_message,
+          .pUserData = &log};
+}
+
+bool has_validation_layer(const vk::raii::Context& context) {
+  return std::ranges::any_of(context.enumerateInstanceLayerProperties(), [](const vk::LayerProperties& layer) {
+    return std::string_view(layer.layerName) == validation_layer;
+  });
+}
+
+tl::unexpected<Error> no_driver(std::string reason) {
+  return fail(Fault::environment, "no Vulkan driver was found",
+              {std::move(reason),
+               "on Debian, the package mesa-vulkan-drivers holds a software driver and those for Intel and AMD",
+               "NVIDIA's driver packages bring their own"});
+}
+
+/// An instance, with the validation layer (synchronisation checks included) if a log is given.
+Result<vk::raii::Instance> make_instance(const vk::raii::Context& context, MessageLog* log) {
+  std::vector<const char*> layers, extensions;
+  const std::array checks{vk::ValidationFeatureEnableEXT::eSynchronizationValidation};
+  vk::ValidationFeaturesEXT features{.enabledValidationFeatureCount = checks.size(),
+                                     .pEnabledValidationFeatures = checks.data()};
+  vk::DebugUtilsMessengerCreateInfoEXT messenger;
+  const void* next = nullptr;
+  if (log != nullptr) {
+    if (!has_validation_layer(context)) {
+      return fail(Fault::environment, "the Vulkan validation layer is not installed",
+                  {"on Debian, it is in the package vulkan-validationlayers"});
+    }
+    layers = {validation_layer};
+    extensions = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+    messenger = messenger_info(*log);
+    features.pNext = &messenger;
+    next = &features;
+  }
+  const vk::ApplicationInfo application{.pApplicationName = "dmvv", .apiVersion = VK_API_VERSION_1_2};
+  try {
+    return vk::raii::Instance(context, {.pNext = next,
+                                        .pApplicationInfo = &application,
+                                        .enabledLayerCount = static_cast<std::uint32_t>(layers.size()),
+                                        .ppEnabledLayerNames = layers.data(),
+                                        .enabledExtensionCount = static_cast<std::uint32_t>(extensions.size()),
+                                        .ppEnabledExtensionNames = extensions.data()});
+  } catch (const vk::IncompatibleDriverError& error) {
+    return no_driver(error.what());
+  }
+}
+
+const char* kind_name(vk::PhysicalDeviceType type) {
+  switch (type) {
+    case vk::PhysicalDeviceType::eDiscreteGpu:
+      return "discrete";
+    case vk::PhysicalDeviceType::eIntegratedGpu:
+      return "integrated";
+    case vk::PhysicalDeviceType::eVirtualGpu:
+      return "virtual";
+    case vk::PhysicalDeviceType::eCpu:
+      return "cpu";
+    default:
+      return "other";
+  }
+}
+
+int preference(const DeviceInfo& info) {
+  constexpr std::array<std::string_view, 4> order{"discrete", "integrated", "virtual", "cpu"};
+  return static_cast<int>(std::ranges::find(order, info.kind) - order.begin());
+}
+
+std::string version_text(std::uint32_t version) {
+  return fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version),
+                     VK_API_VERSION_PATCH(version));
+}
+
+DeviceInfo describe(const vk::raii::PhysicalDevice& physical) {
+  const auto chain = physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
+  const auto& properties = chain.get<vk::PhysicalDeviceProperties2>().properties;
+  const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
+  return {.name = properties.deviceName,
+          .kind = kind_name(properties.deviceType),
+          .driver = fmt::format("{} ({})", driver.driverName.data(), driver.driverInfo.data()),
+          .api_version = version_text(properties.apiVersion),
+          .max_extent_3d = properties.limits.maxImageDimension3D,
+          .max_storage_buffer = properties.limits.maxStorageBufferRange};
+}
+
+std::optional<std::uint32_t> drawing_queue_family(const vk::raii::PhysicalDevice& physical) {
+  constexpr auto needed = vk::QueueFlagBits::eGraphics | vk::QueueFlagBits::eCompute;
+  const auto families = physical.getQueueFamilyProperties();
+  for (std::uint32_t i = 0; i < families.size(); ++i) {
+    if ((families[i].queueFlags & needed) == needed) return i;
+  }
+  return std::nullopt;
+}
+
+struct Choice {
+  vk::raii::PhysicalDevice physical;
+  DeviceInfo info;
+};
+
+/// All devices; none if every driver failed to start.
+std::vector<vk::raii::PhysicalDevice> all_devices(const vk::raii::Instance& instance) {
+  try {
+    return instance.enumeratePhysicalDevices();
+  } catch (const vk::InitializationFailedError&) {
+    return {};
+  }
+}
+
+/// The devices that can run programs, best first.
+std::vector<Choice> usable_devices(const vk::raii::Instance& instance) {
+  std::vector<Choice> choices;
+  for (auto& physical : all_devices(instance)) {
+    if (physical.getProperties().apiVersion < VK_API_VERSION_1_2 || !drawing_queue_family(physical)) continue;
+    DeviceInfo info = describe(physical);
+    choices.push_back({std::move(physical), std::move(info)});
+  }
+  std::ranges::stable_sort(choices, {}, [](const Choice& choice) { return preference(choice.info); });
+  return choices;
+}
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return lower;
+}
+
+Result<Choice> choose(std::vector<Choice> choices, const std::string& name) {
+  if (choices.empty()) return no_driver("no installed driver offers a device with Vulkan 1.2 and a drawing queue");
+  const auto chosen = std::ranges::find_if(choices, [wanted = lower_case(name)](const Choice& choice) {
+    return lower_case(choice.info.name).find(wanted) != std::string::npos;
+  });
+  if (chosen != choices.end()) return std::move(*chosen);
+  std::vector<std::string> reasons;
+  for (const Choice& choice : choices)
+    reasons.push_back(fmt::format("there is: {} ({})", choice.info.name, choice.info.kind));
+  return fail(Fault::environment, fmt::format("no Vulkan device has '{}' in its name", name), std::move(reasons));
+}
+
+void open_queue(Device::Impl& impl) {
+  const std::uint32_t family = drawing_queue_family(impl.physical).value();
+  const float priority = 1.0f;
+  const vk::DeviceQueueCreateInfo queue{.queueFamilyIndex = family, .queueCount = 1, .pQueuePriorities = &priority};
+  impl.device = vk::raii::Device(impl.physical, {.queueCreateInfoCount = 1, .pQueueCreateInfos = &queue});
+  impl.queue = impl.device.getQueue(family, 0);
+  impl.pool =
+      impl.device.createCommandPool({.flags = vk::CommandPoolCreateFlagBits::eTransient, .queueFamilyIndex = family});
+  impl.limits = impl.physical.getProperties().limits;
+}
+
+/// Mesa and NVIDIA read these when the instance is made; there is no call for it.
+void switch_driver_cache_off() {
+  setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
+  setenv("__GL_SHADER_DISK_CACHE", "0", 1);
+}
+
+}  // namespace
+
+Device::Impl::Impl() : log(std::make_shared<MessageLog>()), context(&vkGetInstanceProcAddr) {}
+
+vk::raii::DeviceMemory Device::Impl::allocate(const vk::MemoryRequirements& needs, MemoryUse use) const {
+  using Property = vk::MemoryPropertyFlagBits;
+  vk::MemoryPropertyFlags required, wanted;
+  if (use == MemoryUse::device) wanted = Property::eDeviceLocal;
+  if (use != MemoryUse::device) required = Property::eHostVisible | Property::eHostCoherent;
+  if (use == MemoryUse::readback) wanted = Property::eHostCached;
+  const auto memory = physical.getMemoryProperties();
+  const auto find = [&](vk::MemoryPropertyFlags flags) -> std::optional<std::uint32_t> {
+    for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
+      if ((needs.memoryTypeBits >> i & 1u) != 0 && (memory.memoryTypes[i].propertyFlags & flags) == flags) return i;
+    }
+    return std::nullopt;
+  };
+  const auto best = find(required | wanted);
+  const auto type = best ? best : find(required);
+  if (!type) throw vk::FeatureNotPresentError("no memory type for a buffer or image");
+  return {device, {.allocationSize = needs.size, .memoryTypeIndex = *type}};
+}
+
+GpuBuffer Device::Impl::make_buffer(vk::DeviceSize bytes, vk::BufferUsageFlags usage, MemoryUse use) const {
+  GpuBuffer made;
+  made.bytes = bytes;
+  made.buffer = device.createBuffer({.size = bytes, .usage = usage});
+  made.memory = allocate(made.buffer.getMemoryRequirements(), use);
+  made.buffer.bindMemory(*made.memory, 0);
+  if (use != MemoryUse::device) made.mapped = made.memory.mapMemory(0, VK_WHOLE_SIZE);
+  return made;
+}
+
+GpuImage Device::Impl::make_image(vk::ImageType type, vk::Format format, vk::Extent3D extent, vk::ImageUsageFlags usage,
+                                  vk::ImageAspectFlags aspect) const {
+  GpuImage made;
+  made.image = device.createImage({.imageType = type,
+                                   .format = format,
+                                   .extent = extent,
+                                   .mipLevels = 1,
+                                   .arrayLayers = 1,
+                                   .samples = vk::SampleCountFlagBits::e1,
+                                   .tiling = vk::ImageTiling::eOptimal,
+                                   .usage = usage});
+  made.memory = allocate(made.image.getMemoryRequirements(), MemoryUse::device);
+  made.image.bindMemory(*made.memory, 0);
+  made.view =
+      device.createImageView({.image = *made.image,
+                              .viewType = type == vk::ImageType::e3D ? vk::ImageViewType::e3D : vk::ImageViewType::e2D,
+                              .format = format,
+                              .subresourceRange = {.aspectMask = aspect, .levelCount = 1, .layerCount = 1}});
+  return made;
+}
+
+vk::raii::ShaderModule Device::Impl::make_shader(const std::uint32_t* words, std::size_t count) const {
+  return device.createShaderModule({.codeSize = 4 * count, .pCode = words});
+}
+
+void Device::Impl::run(const std::function<void(const vk::raii::CommandBuffer&)>& record) const {
+  const auto buffers = device.allocateCommandBuffers(
+      {.commandPool = *pool, .level = vk::CommandBufferLevel::ePrimary, .commandBufferCount = 1});
+  const vk::raii::CommandBuffer& commands = buffers.front();
+  commands.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
+  record(commands);
+  commands.end();
+  const vk::raii::Fence done(device, vk::FenceCreateInfo{});
+  const vk::CommandBuffer handle = *commands;
+  queue.submit(vk::SubmitInfo{.commandBufferCount = 1, .pCommandBuffers = &handle}, *done);
+  const vk::Result waited = device.waitForFences(*done, VK_TRUE, UINT64_MAX);
+  if (waited != vk::Result::eSuccess) throw vk::SystemError(vk::make_error_code(waited), "vkWaitForFences");
+}
+
+vk::ImageMemoryBarrier color_barrier(const GpuImage& image, vk::ImageLayout from, vk::ImageLayout to,
+                                     vk::AccessFlags before, vk::AccessFlags after) {
+  return {.srcAccessMask = before,
+          .dstAccessMask = after,
+          .oldLayout = from,
+          .newLayout = to,
+          .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+          .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+          .image = *image.image,
+          .subresourceRange = {.aspectMask = vk::ImageAspectFlagBits::eColor, .levelCount = 1, .layerCount = 1}};
+}
+
+Stopwatch::Stopwatch(Timings* timings, const char* step)
+    : timings_(timings),
+      step_(step),
+      start_ns_(std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1)) {}
+
+Stopwatch::~Stopwatch() {
+  if (timings_ == nullptr) return;
+  const std::int64_t now_ns = std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
+  try {
+    timings_->push_back({step_, 1e-6 * static_cast<double>(now_ns - start_ns_)});
+  } catch (const std::bad_alloc&) {  // a missing time is no reason to fail
+  }
+}
+
+Device::Device(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Device::Device(Device&&) noexcept = default;
+Device& Device::operator=(Device&&) noexcept = default;
+Device::~Device() = default;
+
+Result<Device> Device::create(const DeviceOptions& options) {
+  return guarded("opening the device", [&]() -> Result<Device> {
+    if (!options.cache) switch_driver_cache_off();
+    auto impl = std::make_unique<Impl>();
+    auto instance = make_instance(impl->context, options.validation ? impl->log.get() : nullptr);
+    if (!instance) return tl::unexpected(instance.error());
+    impl->instance = std::move(*instance);
+    if (options.validation) impl->messenger = impl->instance.createDebugUtilsMessengerEXT(messenger_info(*impl->log));
+    auto choice = choose(usable_devices(impl->instance), options.name);
+    if (!choice) return tl::unexpected(choice.error());
+    impl->physical = std::move(choice->physical);
+    impl->info = std::move(choice->info);
+    open_queue(*impl);
+    return Device(std::move(impl));
+  });
+}
+
+const DeviceInfo& Device::info() const { return impl_->info; }
+
+std::vector<std::string> Device::validation_messages() const {
+  const std::lock_guard lock(impl_->log->mutex);
+  return impl_->log->messages;
+}
+
+Result<std::vector<DeviceInfo>> list_devices() {
+  return guarded("listing the devices", []() -> Result<std::vector<DeviceInfo>> {
+    const vk::raii::Context context(&vkGetInstanceProcAddr);
+    const auto instance = make_instance(context, nullptr);
+    if (!instance) return tl::unexpected(instance.error());
+    std::vector<DeviceInfo> infos;
+    for (Choice& choice : usable_devices(*instance)) infos.push_back(std::move(choice.info));
+    return infos;
+  });
+}
+
+}  // namespace dmvv::runtime

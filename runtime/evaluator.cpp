@@ -1,0 +1,338 @@
+// A program on a device: limits, upload, kernels; the scene at points.
+#include "runtime/evaluator.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cstring>
+
+#include "shaders/records.h"
+
+namespace dmvv::runtime {
+namespace {
+
+using compiler::Kernel;
+using compiler::PointAnswer;
+
+vk::Format vulkan_format(compiler::TexelFormat format) {
+  switch (format) {
+    case compiler::TexelFormat::r32f:
+      return vk::Format::eR32Sfloat;
+    case compiler::TexelFormat::r16f:
+      return vk::Format::eR16Sfloat;
+    case compiler::TexelFormat::rgba16f:
+      return vk::Format::eR16G16B16A16Sfloat;
+  }
+  return vk::Format::eUndefined;
+}
+
+vk::Extent3D vulkan_extent(const glm::uvec3& extent) { return {extent.x, extent.y, extent.z}; }
+
+std::optional<Error> buffer_fault(const Device::Impl& gpu, const compiler::Buffer& buffer) {
+  if (buffer.bytes.size() <= gpu.limits.maxStorageBufferRange) return std::nullopt;
+  return Error{Fault::input,
+               fmt::format("the scene's buffer '{}' needs {} bytes; '{}' allows {} (maxStorageBufferRange)",
+                           buffer.name, buffer.bytes.size(), gpu.info.name, gpu.limits.maxStorageBufferRange),
+               {}};
+}
+
+std::optional<Error> texture_fault(const Device::Impl& gpu, const compiler::Texture& texture) {
+  assert(texture.texels.size() == std::size_t{texture.extent.x} * texture.extent.y * texture.extent.z *
+                                      compiler::bytes_per_texel(texture.format));
+  const std::uint32_t longest = std::max({texture.extent.x, texture.extent.y, texture.extent.z});
+  if (longest > gpu.limits.maxImageDimension3D) {
+    return Error{Fault::input,
+                 fmt::format("the scene's texture '{}' is {} texels long; '{}' allows {} (maxImageDimension3D)",
+                             texture.name, longest, gpu.info.name, gpu.limits.maxImageDimension3D),
+                 {}};
+  }
+  const vk::Format format = vulkan_format(texture.format);
+  constexpr auto needed =
+      vk::FormatFeatureFlagBits::eSampledImageFilterLinear | vk::FormatFeatureFlagBits::eTransferDst;
+  if ((gpu.physical.getFormatProperties(format).optimalTilingFeatures & needed) != needed) {
+    return Error{Fault::input,
+                 fmt::format("the scene's texture '{}' has the format {}, which '{}' does not filter", texture.name,
+                             vk::to_string(format), gpu.info.name),
+                 {"choose another format for the atlas"}};
+  }
+  const auto image = gpu.physical.getImageFormatProperties(
+      format, vk::ImageType::e3D, vk::ImageTiling::eOptimal,
+      vk::ImageUsageFlagBits::eSampled | vk::ImageUsageFlagBits::eTransferDst, {});
+  if (texture.texels.size() > image.maxResourceSize) {
+    return Error{Fault::input,
+                 fmt::format("the scene's texture '{}' needs {} bytes; '{}' allows {} (maxResourceSize)", texture.name,
+                             texture.texels.size(), gpu.info.name, image.maxResourceSize),
+                 {}};
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> program_fault(const Device::Impl& gpu, const compiler::Program& program) {
+  for (const compiler::Buffer& buffer : program.buffers) {
+    if (auto fault = buffer_fault(gpu, buffer)) return fault;
+  }
+  for (const compiler::Texture& texture : program.textures) {
+    if (auto fault = texture_fault(gpu, texture)) return fault;
+  }
+  return std::nullopt;
+}
+
+GpuBuffer staging_buffer(const Device::Impl& gpu, const void* bytes, std::size_t size) {
+  GpuBuffer staging = gpu.make_buffer(size, vk::BufferUsageFlagBits::eTransferSrc, MemoryUse::upload);
+  std::memcpy(staging.mapped, bytes, size);
+  return staging;
+}
+
+GpuImage upload_texture(const Device::Impl& gpu, const compiler::Texture& texture) {
+  using Access = vk::AccessFlagBits;
+  using Layout = vk::ImageLayout;
+  using Stage = vk::PipelineStageFlagBits;
+  GpuImage image = gpu.make_image(vk::ImageType::e3D, vulkan_format(texture.format), vulkan_extent(texture.extent),
+                                  vk::ImageUsageFlagBits::eSampled | vk::ImageUsageFlagBits::eTransferDst);
+  const GpuBuffer staging = staging_buffer(gpu, texture.texels.data(), texture.texels.size());
+  gpu.run([&](const vk::raii::CommandBuffer& commands) {
+    commands.pipelineBarrier(
+        Stage::eTopOfPipe, Stage::eTransfer, {}, nullptr, nullptr,
+        color_barrier(image, Layout::eUndefined, Layout::eTransferDstOptimal, {}, Access::eTransferWrite));
+    commands.copyBufferToImage(
+        *staging.buffer, *image.image, Layout::eTransferDstOptimal,
+        vk::BufferImageCopy{.imageSubresource = {.aspectMask = vk::ImageAspectFlagBits::eColor, .layerCount = 1},
+                            .imageExtent = vulkan_extent(texture.extent)});
+    commands.pipelineBarrier(Stage::eTransfer, Stage::eComputeShader, {}, nullptr, nullptr,
+                             color_barrier(image, Layout::eTransferDstOptimal, Layout::eShaderReadOnlyOptimal,
+                                           Access::eTransferWrite, Access::eShaderRead));
+  });
+  return image;
+}
+
+/// Reads the answer that starts at `words`; empty if the device's path is longer than the program can have.
+std::optional<PointAnswer> decode_answer(const std::uint32_t* words, std::uint32_t depth) {
+  PointAnswer answer;
+  answer.number = words[0];
+  answer.finished = words[0] != DMVV_UNFINISHED;
+  if (words[1] > depth) return std::nullopt;
+  for (int i = 0; i < 4; ++i) answer.rgba[i] = std::bit_cast<float>(words[2 + i]);
+  for (std::uint32_t level = 0; level < words[1]; ++level) {
+    const std::uint32_t* step = words + DMVV_ANSWER_HEADER + 2 * level;
+    answer.path.push_back({step[0], step[1]});
+  }
+  return answer;
+}
+
+constexpr std::array point_io{vk::DescriptorType::eStorageBuffer, vk::DescriptorType::eStorageBuffer};
+
+}  // namespace
+
+GpuBuffer upload_buffer(const Device::Impl& gpu, const void* bytes, std::size_t size, vk::BufferUsageFlags usage) {
+  using Access = vk::AccessFlagBits;
+  using Stage = vk::PipelineStageFlagBits;
+  GpuBuffer made = gpu.make_buffer(size, usage | vk::BufferUsageFlagBits::eTransferDst, MemoryUse::device);
+  const GpuBuffer staging = staging_buffer(gpu, bytes, size);
+  gpu.run([&](const vk::raii::CommandBuffer& commands) {
+    commands.copyBuffer(*staging.buffer, *made.buffer, vk::BufferCopy{0, 0, size});
+    const vk::MemoryBarrier visible{
+        .srcAccessMask = Access::eTransferWrite,
+        .dstAccessMask = Access::eShaderRead | Access::eVertexAttributeRead | Access::eIndexRead};
+    commands.pipelineBarrier(Stage::eTransfer, Stage::eVertexInput | Stage::eComputeShader, {}, visible, nullptr,
+                             nullptr);
+  });
+  return made;
+}
+
+Evaluator::Impl::Impl(const Device::Impl& device, const compiler::Program& program)
+    : gpu(device), depth(program.depth) {
+  for (std::size_t i = 0; i < code.size(); ++i) code[i] = program.spirv[i];
+  upload(program);
+  bind_scene(program);
+}
+
+void Evaluator::Impl::upload(const compiler::Program& program) {
+  for (const compiler::Buffer& buffer : program.buffers) {
+    buffers.push_back(
+        upload_buffer(gpu, buffer.bytes.data(), buffer.bytes.size(), vk::BufferUsageFlagBits::eStorageBuffer));
+  }
+  for (const compiler::Texture& texture : program.textures) textures.push_back(upload_texture(gpu, texture));
+  using Mode = vk::SamplerAddressMode;
+  sampler = gpu.device.createSampler({.magFilter = vk::Filter::eLinear,
+                                      .minFilter = vk::Filter::eLinear,
+                                      .addressModeU = Mode::eClampToEdge,
+                                      .addressModeV = Mode::eClampToEdge,
+                                      .addressModeW = Mode::eClampToEdge});
+}
+
+void Evaluator::Impl::bind_scene(const compiler::Program& program) {
+  std::vector<vk::DescriptorSetLayoutBinding> bindings;
+  std::vector<vk::DescriptorType> types;
+  const auto add = [&](std::uint32_t binding, vk::DescriptorType type) {
+    bindings.push_back({.binding = binding,
+                        .descriptorType = type,
+                        .descriptorCount = 1,
+                        .stageFlags = vk::ShaderStageFlagBits::eCompute});
+    types.push_back(type);
+  };
+  for (const compiler::Buffer& buffer : program.buffers) add(buffer.binding, vk::DescriptorType::eStorageBuffer);
+  for (const compiler::Texture& texture : program.textures)
+    add(texture.binding, vk::DescriptorType::eCombinedImageSampler);
+  scene_layout = gpu.device.createDescriptorSetLayout(vk::DescriptorSetLayoutCreateInfo{}.setBindings(bindings));
+  if (types.empty()) types.push_back(vk::DescriptorType::eStorageBuffer);  // a pool must hold something
+  scene_pool = make_pool(types);
+  scene_set = make_set(scene_pool, scene_layout);
+  for (std::size_t i = 0; i < buffers.size(); ++i) {
+    const vk::DescriptorBufferInfo info{*buffers[i].buffer, 0, VK_WHOLE_SIZE};
+    gpu.device.updateDescriptorSets(vk::WriteDescriptorSet{.dstSet = *scene_set,
+                                                           .dstBinding = program.buffers[i].binding,
+                                                           .descriptorCount = 1,
+                                                           .descriptorType = vk::DescriptorType::eStorageBuffer,
+                                                           .pBufferInfo = &info},
+                                    nullptr);
+  }
+  for (std::size_t i = 0; i < textures.size(); ++i) {
+    const vk::DescriptorImageInfo info{*sampler, *textures[i].view, vk::ImageLayout::eShaderReadOnlyOptimal};
+    gpu.device.updateDescriptorSets(vk::WriteDescriptorSet{.dstSet = *scene_set,
+                                                           .dstBinding = program.textures[i].binding,
+                                                           .descriptorCount = 1,
+                                                           .descriptorType = vk::DescriptorType::eCombinedImageSampler,
+                                                           .pImageInfo = &info},
+                                    nullptr);
+  }
+}
+
+vk::raii::DescriptorPool Evaluator::Impl::make_pool(std::span<const vk::DescriptorType> types) const {
+  std::vector<vk::DescriptorPoolSize> sizes;
+  for (const vk::DescriptorType type : types) sizes.push_back({type, 1});
+  return gpu.device.createDescriptorPool(
+      vk::DescriptorPoolCreateInfo{.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, .maxSets = 1}
+          .setPoolSizes(sizes));
+}
+
+vk::raii::DescriptorSet Evaluator::Impl::make_set(const vk::raii::DescriptorPool& pool,
+                                                  const vk::raii::DescriptorSetLayout& layout) const {
+  const vk::DescriptorSetLayout handle = *layout;
+  return std::move(
+      gpu.device.allocateDescriptorSets({.descriptorPool = *pool, .descriptorSetCount = 1, .pSetLayouts = &handle})[0]);
+}
+
+Result<KernelPipeline> Evaluator::Impl::make_kernel(Kernel kernel, std::span<const vk::DescriptorType> io,
+                                                    std::uint32_t params_bytes) const {
+  const auto& words = code[static_cast<std::size_t>(kernel)];
+  if (words.empty()) {
+    return fail(Fault::environment, fmt::format("the program was compiled without its kernel '{}'",
+                                                kernel == Kernel::points ? "points" : "pixels"));
+  }
+  std::vector<vk::DescriptorSetLayoutBinding> bindings;
+  for (std::uint32_t i = 0; i < io.size(); ++i) {
+    bindings.push_back(
+        {.binding = i, .descriptorType = io[i], .descriptorCount = 1, .stageFlags = vk::ShaderStageFlagBits::eCompute});
+  }
+  KernelPipeline made;
+  made.io_layout = gpu.device.createDescriptorSetLayout(vk::DescriptorSetLayoutCreateInfo{}.setBindings(bindings));
+  const std::array layouts{*scene_layout, *made.io_layout};
+  const vk::PushConstantRange params{vk::ShaderStageFlagBits::eCompute, 0, params_bytes};
+  made.layout = gpu.device.createPipelineLayout(
+      vk::PipelineLayoutCreateInfo{}.setSetLayouts(layouts).setPushConstantRanges(params));
+  const vk::raii::ShaderModule module = gpu.make_shader(words.data(), words.size());
+  made.pipeline = gpu.device.createComputePipeline(
+      nullptr, {.stage = {.stage = vk::ShaderStageFlagBits::eCompute, .module = *module, .pName = "main"},
+                .layout = *made.layout});
+  return made;
+}
+
+Result<std::vector<PointAnswer>> Evaluator::Impl::probe(std::span<const glm::dvec3> positions, Timings* timings) {
+  // ---- buffers for one batch; both are read and written in place ----
+  constexpr std::size_t answer_budget = std::size_t{32} << 20;
+  constexpr std::size_t largest_batch = std::size_t{1} << 18;
+  const std::size_t stride = DMVV_ANSWER_HEADER + 2 * std::size_t{depth};
+  const std::size_t batch = std::min({largest_batch, std::max<std::size_t>(1, answer_budget / (4 * stride)),
+                                      std::max<std::size_t>(1, positions.size())});
+  const auto storage = vk::BufferUsageFlagBits::eStorageBuffer;
+  const GpuBuffer inputs = gpu.make_buffer(batch * sizeof(glm::vec4), storage, MemoryUse::upload);
+  const GpuBuffer outputs = gpu.make_buffer(batch * stride * 4, storage, MemoryUse::readback);
+  const auto pool = make_pool(point_io);
+
+  std::optional<vk::raii::DescriptorSet> io_set;
+  const auto dispatch = [&](std::uint32_t count) {
+    gpu.run([&](const vk::raii::CommandBuffer& commands) {
+      const auto compute = vk::PipelineBindPoint::eCompute;
+      const gpu::PointsParams params{.count = count, .pad0 = 0, .pad1 = 0, .pad2 = 0};
+      commands.bindPipeline(compute, *points->pipeline);
+      commands.bindDescriptorSets(compute, *points->layout, 0, {*scene_set, **io_set}, nullptr);
+      commands.pushConstants<gpu::PointsParams>(*points->layout, vk::ShaderStageFlagBits::eCompute, 0, params);
+      commands.dispatch(std::max(1u, (count + DMVV_POINTS_GROUP_SIZE - 1) / DMVV_POINTS_GROUP_SIZE), 1, 1);
+      const vk::MemoryBarrier visible{.srcAccessMask = vk::AccessFlagBits::eShaderWrite,
+                                      .dstAccessMask = vk::AccessFlagBits::eHostRead};
+      commands.pipelineBarrier(vk::PipelineStageFlagBits::eComputeShader, vk::PipelineStageFlagBits::eHost, {}, visible,
+                               nullptr, nullptr);
+    });
+  };
+
+  // ---- the kernel, compiled by the driver in an empty dispatch ----
+  const bool first_use = !points;
+  {
+    const Stopwatch watch(first_use ? timings : nullptr, "pipeline");
+    if (first_use) {
+      auto made = make_kernel(Kernel::points, point_io, sizeof(gpu::PointsParams));
+      if (!made) return tl::unexpected(std::move(made.error()));
+      points = std::move(*made);
+    }
+    io_set = make_set(pool, points->io_layout);
+    const std::array infos{vk::DescriptorBufferInfo{*inputs.buffer, 0, VK_WHOLE_SIZE},
+                           vk::DescriptorBufferInfo{*outputs.buffer, 0, VK_WHOLE_SIZE}};
+    gpu.device.updateDescriptorSets(vk::WriteDescriptorSet{.dstSet = **io_set,
+                                                           .dstBinding = 0,
+                                                           .descriptorCount = infos.size(),
+                                                           .descriptorType = point_io[0],
+                                                           .pBufferInfo = infos.data()},
+                                    nullptr);
+    if (first_use) dispatch(0);
+  }
+
+  // ---- batch after batch ----
+  const Stopwatch watch(timings, "probe");
+  std::vector<PointAnswer> answers;
+  answers.reserve(positions.size());
+  std::vector<std::size_t> unfinished;
+  for (std::size_t begin = 0; begin < positions.size(); begin += batch) {
+    const std::size_t count = std::min(batch, positions.size() - begin);
+    auto* texels = static_cast<glm::vec4*>(inputs.mapped);
+    for (std::size_t i = 0; i < count; ++i) texels[i] = glm::vec4(glm::vec3(positions[begin + i]), 1.0f);
+    dispatch(static_cast<std::uint32_t>(count));
+    for (std::size_t i = 0; i < count; ++i) {
+      auto answer = decode_answer(static_cast<const std::uint32_t*>(outputs.mapped) + i * stride, depth);
+      if (!answer)
+        return fail(Fault::environment, fmt::format("the device's answer for point {} makes no sense", begin + i));
+      if (!answer->finished) unfinished.push_back(begin + i);
+      answers.push_back(std::move(*answer));
+    }
+  }
+  if (!unfinished.empty()) {
+    return fail(
+        Fault::input,
+        fmt::format("{} of {} points needed more loop rounds than this device grants (65,535); the first is point {}",
+                    unfinished.size(), positions.size(), unfinished.front()),
+        {"use the reference backend, or split the scene's longest lists of seeds"});
+  }
+  return answers;
+}
+
+Evaluator::Evaluator(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Evaluator::Evaluator(Evaluator&&) noexcept = default;
+Evaluator& Evaluator::operator=(Evaluator&&) noexcept = default;
+Evaluator::~Evaluator() = default;
+
+Result<Evaluator> Evaluator::create(Device& device, const compiler::Program& program, Timings* timings) {
+  return guarded("uploading the scene", [&]() -> Result<Evaluator> {
+    if (auto fault = program_fault(device.impl(), program)) return tl::unexpected(std::move(*fault));
+    const Stopwatch watch(timings, "upload");
+    return Evaluator(std::make_unique<Impl>(device.impl(), program));
+  });
+}
+
+Result<std::vector<PointAnswer>> Evaluator::probe(std::span<const glm::dvec3> points, Timings* timings) {
+  return guarded("evaluating points", [&] { return impl_->probe(points, timings); });
+}
+
+Result<Picture> Evaluator::render(const View& view, Timings* timings) {
+  return guarded("rendering", [&] { return impl_->render(view, timings); });
+}
+
+}  // namespace dmvv::runtime

@@ -1,0 +1,284 @@
+// The raster passes: the surface that the cuts leave, then the caps.
+//
+// A cap is drawn where the solid is inside at the point where a pixel's ray comes into the part that all cuts leave.
+// Counting tells: of the mesh's fragments beyond that point, those that leave the solid minus those that enter it are
+// the shells around the point, whatever the mesh's shape (Crow 1977, shadow volumes; stencil counting as in Heidmann
+// 1991). One counting pass serves all cuts, since the kept part is convex and every ray enters it once.
+#include "runtime/raster.h"
+
+#include <array>
+#include <cstring>
+
+#include "spirv/cap_frag.h"
+#include "spirv/screen_vert.h"
+#include "spirv/surface_frag.h"
+#include "spirv/surface_vert.h"
+
+namespace dmvv::runtime {
+namespace {
+
+using Access = vk::AccessFlagBits;
+using Stage = vk::PipelineStageFlagBits;
+
+/// One of the two is offered by every device.
+vk::Format choose_depth_format(const vk::raii::PhysicalDevice& physical) {
+  for (const vk::Format format : {vk::Format::eD32SfloatS8Uint, vk::Format::eD24UnormS8Uint}) {
+    const auto features = physical.getFormatProperties(format).optimalTilingFeatures;
+    if (features & vk::FormatFeatureFlagBits::eDepthStencilAttachment) return format;
+  }
+  throw vk::FormatNotSupportedError("no format for depth and stencil");
+}
+
+vk::raii::RenderPass make_pass(const vk::raii::Device& device, vk::Format depth_format) {
+  const auto color = [](vk::Format format) {
+    return vk::AttachmentDescription{.format = format,
+                                     .samples = vk::SampleCountFlagBits::e1,
+                                     .loadOp = vk::AttachmentLoadOp::eClear,
+                                     .storeOp = vk::AttachmentStoreOp::eStore,
+                                     .initialLayout = vk::ImageLayout::eUndefined,
+                                     .finalLayout = vk::ImageLayout::eGeneral};
+  };
+  const vk::AttachmentDescription depth{.format = depth_format,
+                                        .samples = vk::SampleCountFlagBits::e1,
+                                        .loadOp = vk::AttachmentLoadOp::eClear,
+                                        .storeOp = vk::AttachmentStoreOp::eDontCare,
+                                        .stencilLoadOp = vk::AttachmentLoadOp::eClear,
+                                        .stencilStoreOp = vk::AttachmentStoreOp::eDontCare,
+                                        .initialLayout = vk::ImageLayout::eUndefined,
+                                        .finalLayout = vk::ImageLayout::eDepthStencilAttachmentOptimal};
+  const std::array attachments{color(position_format), color(normal_format), depth};
+  const std::array colors{vk::AttachmentReference{0, vk::ImageLayout::eColorAttachmentOptimal},
+                          vk::AttachmentReference{1, vk::ImageLayout::eColorAttachmentOptimal}};
+  const vk::AttachmentReference depth_reference{2, vk::ImageLayout::eDepthStencilAttachmentOptimal};
+  const vk::SubpassDescription subpass{.pipelineBindPoint = vk::PipelineBindPoint::eGraphics,
+                                       .colorAttachmentCount = colors.size(),
+                                       .pColorAttachments = colors.data(),
+                                       .pDepthStencilAttachment = &depth_reference};
+  constexpr auto depth_tests = Stage::eEarlyFragmentTests | Stage::eLateFragmentTests;
+  const std::array dependencies{
+      vk::SubpassDependency{
+          .srcSubpass = VK_SUBPASS_EXTERNAL,
+          .dstSubpass = 0,
+          .srcStageMask = Stage::eComputeShader | Stage::eTransfer | Stage::eColorAttachmentOutput | depth_tests,
+          .dstStageMask = Stage::eColorAttachmentOutput | depth_tests,
+          .srcAccessMask = Access::eColorAttachmentWrite | Access::eDepthStencilAttachmentWrite,
+          .dstAccessMask = Access::eColorAttachmentWrite | Access::eDepthStencilAttachmentRead |
+                           Access::eDepthStencilAttachmentWrite},
+      vk::SubpassDependency{.srcSubpass = 0,
+                            .dstSubpass = VK_SUBPASS_EXTERNAL,
+                            .srcStageMask = Stage::eColorAttachmentOutput,
+                            .dstStageMask = Stage::eComputeShader | Stage::eTransfer,
+                            .srcAccessMask = Access::eColorAttachmentWrite,
+                            .dstAccessMask = Access::eShaderRead | Access::eTransferRead}};
+  return device.createRenderPass({.attachmentCount = attachments.size(),
+                                  .pAttachments = attachments.data(),
+                                  .subpassCount = 1,
+                                  .pSubpasses = &subpass,
+                                  .dependencyCount = dependencies.size(),
+                                  .pDependencies = dependencies.data()});
+}
+
+vk::StencilOpState stencil(vk::CompareOp compare, vk::StencilOp pass) {
+  return {.failOp = vk::StencilOp::eKeep,
+          .passOp = pass,
+          .depthFailOp = vk::StencilOp::eKeep,
+          .compareOp = compare,
+          .compareMask = 0xff,
+          .writeMask = 0xff,
+          .reference = 0};
+}
+
+bool same_mesh(const voml::Mesh& a, const voml::Mesh& b) {
+  return a.positions == b.positions && a.triangles == b.triangles;
+}
+
+}  // namespace
+
+/// In what the three pipelines differ.
+struct Rasteriser::PipelineState {
+  const vk::raii::ShaderModule& vertex;
+  const vk::raii::ShaderModule& fragment;
+  vk::Bool32 counts = VK_FALSE;  ///< into the stencil, nothing else
+  vk::Bool32 fills_counted = VK_FALSE;
+  vk::Bool32 has_vertices = VK_TRUE;
+};
+
+vk::raii::Pipeline Rasteriser::make_pipeline(const PipelineState& state) const {
+  const vk::SpecializationMapEntry entry{.constantID = 0, .offset = 0, .size = sizeof(vk::Bool32)};
+  const vk::SpecializationInfo constants{1, &entry, sizeof(vk::Bool32), &state.counts};
+  const std::array stages{
+      vk::PipelineShaderStageCreateInfo{
+          .stage = vk::ShaderStageFlagBits::eVertex, .module = *state.vertex, .pName = "main"},
+      vk::PipelineShaderStageCreateInfo{.stage = vk::ShaderStageFlagBits::eFragment,
+                                        .module = *state.fragment,
+                                        .pName = "main",
+                                        .pSpecializationInfo = state.fills_counted ? nullptr : &constants}};
+
+  const vk::VertexInputBindingDescription binding{0, sizeof(SurfaceVertex), vk::VertexInputRate::eVertex};
+  const std::array attributes{
+      vk::VertexInputAttributeDescription{0, 0, vk::Format::eR32G32B32Sfloat, offsetof(SurfaceVertex, position)},
+      vk::VertexInputAttributeDescription{1, 0, vk::Format::eR32G32B32Sfloat, offsetof(SurfaceVertex, normal)}};
+  vk::PipelineVertexInputStateCreateInfo input;
+  if (state.has_vertices) input.setVertexBindingDescriptions(binding).setVertexAttributeDescriptions(attributes);
+  const vk::PipelineInputAssemblyStateCreateInfo assembly{.topology = vk::PrimitiveTopology::eTriangleList};
+  const vk::PipelineViewportStateCreateInfo viewport{.viewportCount = 1, .scissorCount = 1};
+  const vk::PipelineRasterizationStateCreateInfo rasterization{
+      .cullMode = vk::CullModeFlagBits::eNone, .frontFace = vk::FrontFace::eCounterClockwise, .lineWidth = 1.0f};
+  const vk::PipelineMultisampleStateCreateInfo multisample{.rasterizationSamples = vk::SampleCountFlagBits::e1};
+
+  using Compare = vk::CompareOp;
+  using Op = vk::StencilOp;
+  const vk::PipelineDepthStencilStateCreateInfo depth_stencil{
+      .depthTestEnable = !state.counts,
+      .depthWriteEnable = !state.counts,
+      .depthCompareOp = Compare::eGreater,
+      .stencilTestEnable = state.counts || state.fills_counted,
+      .front = state.counts ? stencil(Compare::eAlways, Op::eDecrementAndWrap) : stencil(Compare::eNotEqual, Op::eKeep),
+      .back = state.counts ? stencil(Compare::eAlways, Op::eIncrementAndWrap) : stencil(Compare::eNotEqual, Op::eKeep)};
+
+  using Component = vk::ColorComponentFlagBits;
+  const auto written = Component::eR | Component::eG | Component::eB | Component::eA;
+  const vk::PipelineColorBlendAttachmentState color{.colorWriteMask =
+                                                        state.counts ? vk::ColorComponentFlags{} : written};
+  const std::array colors{color, color};
+  const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = colors.size(), .pAttachments = colors.data()};
+  const std::array dynamic_states{vk::DynamicState::eViewport, vk::DynamicState::eScissor};
+  const vk::PipelineDynamicStateCreateInfo dynamic{.dynamicStateCount = dynamic_states.size(),
+                                                   .pDynamicStates = dynamic_states.data()};
+  return gpu_.device.createGraphicsPipeline(nullptr, {.stageCount = stages.size(),
+                                                      .pStages = stages.data(),
+                                                      .pVertexInputState = &input,
+                                                      .pInputAssemblyState = &assembly,
+                                                      .pViewportState = &viewport,
+                                                      .pRasterizationState = &rasterization,
+                                                      .pMultisampleState = &multisample,
+                                                      .pDepthStencilState = &depth_stencil,
+                                                      .pColorBlendState = &blend,
+                                                      .pDynamicState = &dynamic,
+                                                      .layout = *layout_,
+                                                      .renderPass = *pass_});
+}
+
+Rasteriser::Rasteriser(const Device::Impl& gpu)
+    : gpu_(gpu), depth_format_(choose_depth_format(gpu.physical)), pass_(make_pass(gpu.device, depth_format_)) {
+  const vk::raii::Device& device = gpu_.device;
+  const vk::DescriptorSetLayoutBinding binding{
+      .binding = 0,
+      .descriptorType = vk::DescriptorType::eUniformBuffer,
+      .descriptorCount = 1,
+      .stageFlags = vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment};
+  set_layout_ = device.createDescriptorSetLayout({.bindingCount = 1, .pBindings = &binding});
+  const vk::DescriptorSetLayout set_layout = *set_layout_;
+  layout_ = device.createPipelineLayout({.setLayoutCount = 1, .pSetLayouts = &set_layout});
+
+  const auto surface_vert_module = gpu_.make_shader(surface_vert, std::size(surface_vert));
+  const auto surface_frag_module = gpu_.make_shader(surface_frag, std::size(surface_frag));
+  const auto screen_vert_module = gpu_.make_shader(screen_vert, std::size(screen_vert));
+  const auto cap_frag_module = gpu_.make_shader(cap_frag, std::size(cap_frag));
+  surface_ = make_pipeline({.vertex = surface_vert_module, .fragment = surface_frag_module});
+  count_ = make_pipeline({.vertex = surface_vert_module, .fragment = surface_frag_module, .counts = VK_TRUE});
+  cap_ = make_pipeline(
+      {.vertex = screen_vert_module, .fragment = cap_frag_module, .fills_counted = VK_TRUE, .has_vertices = VK_FALSE});
+
+  params_ = gpu_.make_buffer(sizeof(gpu::RasterParams), vk::BufferUsageFlagBits::eUniformBuffer, MemoryUse::upload);
+  const vk::DescriptorPoolSize pool_size{vk::DescriptorType::eUniformBuffer, 1};
+  descriptor_pool_ = device.createDescriptorPool({.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet,
+                                                  .maxSets = 1,
+                                                  .poolSizeCount = 1,
+                                                  .pPoolSizes = &pool_size});
+  set_ = std::move(device.allocateDescriptorSets(
+      {.descriptorPool = *descriptor_pool_, .descriptorSetCount = 1, .pSetLayouts = &set_layout})[0]);
+  const vk::DescriptorBufferInfo info{*params_.buffer, 0, VK_WHOLE_SIZE};
+  device.updateDescriptorSets(vk::WriteDescriptorSet{.dstSet = *set_,
+                                                     .dstBinding = 0,
+                                                     .descriptorCount = 1,
+                                                     .descriptorType = vk::DescriptorType::eUniformBuffer,
+                                                     .pBufferInfo = &info},
+                              nullptr);
+}
+
+Targets Rasteriser::make_targets(vk::Extent2D extent) const {
+  using Usage = vk::ImageUsageFlagBits;
+  using Aspect = vk::ImageAspectFlagBits;
+  constexpr auto type = vk::ImageType::e2D;
+  const vk::Extent3D size{extent.width, extent.height, 1};
+  Targets targets;
+  targets.extent = extent;
+  targets.position =
+      gpu_.make_image(type, position_format, size,
+                      Usage::eColorAttachment | Usage::eStorage | Usage::eTransferSrc | Usage::eTransferDst);
+  targets.normal =
+      gpu_.make_image(type, normal_format, size, Usage::eColorAttachment | Usage::eStorage | Usage::eTransferDst);
+  targets.depth_stencil =
+      gpu_.make_image(type, depth_format_, size, Usage::eDepthStencilAttachment, Aspect::eDepth | Aspect::eStencil);
+  const std::array views{*targets.position.view, *targets.normal.view, *targets.depth_stencil.view};
+  targets.framebuffer = gpu_.device.createFramebuffer({.renderPass = *pass_,
+                                                       .attachmentCount = views.size(),
+                                                       .pAttachments = views.data(),
+                                                       .width = extent.width,
+                                                       .height = extent.height,
+                                                       .layers = 1});
+  return targets;
+}
+
+Result<void> Rasteriser::set_mesh(const voml::Mesh& mesh) {
+  if (mesh_ && same_mesh(*mesh_, mesh)) return {};
+  auto surface = make_surface(mesh);
+  if (!surface) return tl::unexpected(std::move(surface.error()));
+  mesh_.reset();  // a failure below must not leave the old mesh's name on the new one's buffers
+  open_edges_.reset();
+  vertices_ = upload_buffer(gpu_, surface->vertices.data(), surface->vertices.size() * sizeof(SurfaceVertex),
+                            vk::BufferUsageFlagBits::eVertexBuffer);
+  indices_ = upload_buffer(gpu_, surface->indices.data(), surface->indices.size() * sizeof(std::uint32_t),
+                           vk::BufferUsageFlagBits::eIndexBuffer);
+  index_count_ = static_cast<std::uint32_t>(surface->indices.size());
+  bounds_ = surface->bounds;
+  mesh_ = mesh;
+  return {};
+}
+
+std::size_t Rasteriser::open_edges() {
+  if (!open_edges_) open_edges_ = voml::count_open_edges(*mesh_);
+  return *open_edges_;
+}
+
+void Rasteriser::draw(const vk::raii::CommandBuffer& commands, const Targets& targets, const Shot& shot,
+                      const Tile& tile) {
+  gpu::RasterParams params = shot.raster;
+  params.tile_x = tile.corner_px.x;
+  params.tile_y = tile.corner_px.y;
+  std::memcpy(params_.mapped, &params, sizeof params);
+
+  // The viewport is the whole picture, moved: a tile's pixels are those of the undivided picture.
+  const vk::Viewport viewport{-static_cast<float>(tile.corner_px.x),
+                              -static_cast<float>(tile.corner_px.y),
+                              static_cast<float>(shot.size_px.x),
+                              static_cast<float>(shot.size_px.y),
+                              0.0f,
+                              1.0f};
+  const vk::Rect2D area{{0, 0}, {tile.size_px.x, tile.size_px.y}};
+  const std::array<vk::ClearValue, 3> nothing{};  // depth 0 is infinitely far
+  const auto graphics = vk::PipelineBindPoint::eGraphics;
+  commands.beginRenderPass({.renderPass = *pass_,
+                            .framebuffer = *targets.framebuffer,
+                            .renderArea = area,
+                            .clearValueCount = nothing.size(),
+                            .pClearValues = nothing.data()},
+                           vk::SubpassContents::eInline);
+  commands.setViewport(0, viewport);
+  commands.setScissor(0, area);
+  commands.bindDescriptorSets(graphics, *layout_, 0, *set_, nullptr);
+  commands.bindVertexBuffers(0, *vertices_.buffer, vk::DeviceSize{0});
+  commands.bindIndexBuffer(*indices_.buffer, 0, vk::IndexType::eUint32);
+  commands.bindPipeline(graphics, *surface_);
+  commands.drawIndexed(index_count_, 1, 0, 0, 0);
+  if (shot.has_caps) {
+    commands.bindPipeline(graphics, *count_);
+    commands.drawIndexed(index_count_, 1, 0, 0, 0);
+    commands.bindPipeline(graphics, *cap_);
+    commands.draw(3, 1, 0, 0);
+  }
+  commands.endRenderPass();
+}
+
+}  // namespace dmvv::runtime

@@ -1,0 +1,64 @@
+// Inside the runtime only: draws the cut and capped support mesh into images of positions and normals.
+#pragma once
+
+#include "runtime/gpu.h"
+#include "runtime/shot.h"
+#include "runtime/surface.h"
+
+namespace dmvv::runtime {
+
+inline constexpr vk::Format position_format = vk::Format::eR32G32B32A32Sfloat;
+inline constexpr vk::Format normal_format = vk::Format::eR16G16B16A16Sfloat;
+
+/// What is drawn into. Positions and normals are left in the layout GENERAL, for compute shaders and copies.
+struct Targets {
+  vk::Extent2D extent;
+  GpuImage position, normal, depth_stencil;
+  vk::raii::Framebuffer framebuffer{nullptr};
+};
+
+/// A piece of the picture that is rendered at once.
+struct Tile {
+  glm::uvec2 corner_px{0};
+  glm::uvec2 size_px{0};
+};
+
+class Rasteriser {
+ public:
+  explicit Rasteriser(const Device::Impl& gpu);
+
+  Targets make_targets(vk::Extent2D extent) const;
+
+  /// Makes `mesh` the one that is drawn. The same mesh again (compared by value) costs a comparison.
+  Result<void> set_mesh(const voml::Mesh& mesh);
+  const voml::Bounds& bounds() const { return bounds_; }
+  std::size_t open_edges();
+
+  /// Records the drawing of one tile. Writes what the shaders read: the commands must be done before the next call.
+  void draw(const vk::raii::CommandBuffer& commands, const Targets& targets, const Shot& shot, const Tile& tile);
+
+ private:
+  struct PipelineState;
+  vk::raii::Pipeline make_pipeline(const PipelineState& state) const;
+
+  const Device::Impl& gpu_;
+  vk::Format depth_format_;
+  vk::raii::RenderPass pass_{nullptr};
+  vk::raii::DescriptorSetLayout set_layout_{nullptr};
+  vk::raii::PipelineLayout layout_{nullptr};
+  vk::raii::Pipeline surface_{nullptr}, count_{nullptr}, cap_{nullptr};
+  GpuBuffer params_;
+  vk::raii::DescriptorPool descriptor_pool_{nullptr};
+  vk::raii::DescriptorSet set_{nullptr};
+
+  std::optional<voml::Mesh> mesh_;
+  std::optional<std::size_t> open_edges_;
+  voml::Bounds bounds_{};
+  GpuBuffer vertices_, indices_;
+  std::uint32_t index_count_ = 0;
+};
+
+/// Copies bytes into a buffer of device memory, by way of a staging buffer.
+GpuBuffer upload_buffer(const Device::Impl& gpu, const void* bytes, std::size_t size, vk::BufferUsageFlags usage);
+
+}  // namespace dmvv::runtime

@@ -1,0 +1,160 @@
+// View -> what the shaders are told.
+#include "runtime/shot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+namespace dmvv::runtime {
+namespace {
+
+constexpr std::uint32_t most_samples = 16;
+
+bool finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+std::optional<std::string> plane_fault(const Plane& plane) {
+  if (!finite(plane.normal) || !std::isfinite(plane.d)) return "has a number that is not finite";
+  const double length = glm::length(plane.normal);
+  if (!(length > 0.0) || !std::isfinite(length)) return fmt::format("has a normal of length {}", length);
+  return std::nullopt;
+}
+
+std::optional<std::string> camera_fault(const Camera& camera) {
+  if (!finite(camera.eye) || !finite(camera.look) || !finite(camera.up)) return "has a number that is not finite";
+  const double distance = glm::length(camera.look - camera.eye);
+  if (!(distance > 0.0) || !std::isfinite(distance))
+    return fmt::format("looks at a point {} away from its eye", distance);
+  if (!(camera.fov_deg > 0.0 && camera.fov_deg < 180.0)) {
+    return fmt::format("has an angle of view of {}, not between 0 and 180 degrees", camera.fov_deg);
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> view_fault(const View& view, std::uint32_t largest_px) {
+  if (view.size_px.x < 1 || view.size_px.y < 1) {
+    return fmt::format("a picture of {}x{} pixels has no pixel", view.size_px.x, view.size_px.y);
+  }
+  if (view.samples < 1 || view.samples > most_samples) {
+    return fmt::format("{} samples a pixel and axis were asked for; 1 to {} can be had", view.samples, most_samples);
+  }
+  const std::uint64_t longest = std::max(view.size_px.x, view.size_px.y) * std::uint64_t{view.samples};
+  if (longest > largest_px) {
+    return fmt::format(
+        "a picture of {}x{} pixels with {} samples each way is {} pixels long; this device draws at most {}",
+        view.size_px.x, view.size_px.y, view.samples, longest, largest_px);
+  }
+  if (view.slice) {
+    const auto fault = plane_fault(*view.slice);
+    return fault ? std::optional("the slice " + *fault) : std::nullopt;
+  }
+  if (view.cuts.size() > DMVV_MAX_CUTS) {
+    return fmt::format("{} cuts were asked for; at most {} can be drawn", view.cuts.size(), DMVV_MAX_CUTS);
+  }
+  for (std::size_t i = 0; i < view.cuts.size(); ++i) {
+    if (const auto fault = plane_fault(view.cuts[i])) return fmt::format("cut {} {}", i + 1, *fault);
+  }
+  if (const auto fault = camera_fault(view.camera)) return "the camera " + *fault;
+  return std::nullopt;
+}
+
+gpu::vec4 row(const glm::dvec3& v, double w = 0.0) { return {glm::vec3(v), static_cast<float>(w)}; }
+
+struct Basis {
+  glm::dvec3 forward, right, down;  ///< unit, at right angles
+};
+
+/// If up is along the view, +y is up instead, or +z where that is along the view as well.
+Basis view_basis(const Camera& camera) {
+  const glm::dvec3 forward = glm::normalize(camera.look - camera.eye);
+  for (const glm::dvec3& up : {camera.up, glm::dvec3(0.0, 1.0, 0.0)}) {
+    const glm::dvec3 right = glm::cross(forward, up);
+    if (glm::length(right) > 1e-9 * glm::length(up)) {
+      return {forward, glm::normalize(right), glm::cross(forward, glm::normalize(right))};
+    }
+  }
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0.0, 0.0, 1.0)));
+  return {forward, right, glm::cross(forward, right)};
+}
+
+double distance_to_box(const glm::dvec3& p, const voml::Bounds& box) {
+  return glm::length(glm::max(glm::max(box.lo - p, p - box.hi), glm::dvec3(0.0)));
+}
+
+/// Half the smallest depth that anything visible can have. Nothing that stays is nearer to the eye than the bounds, nor
+/// nearer than a plane that takes the eye's side away.
+double near_depth(const voml::Bounds& bounds, const glm::dvec3& eye, const gpu::RasterParams& raster,
+                  double longest_ray) {
+  double distance = distance_to_box(eye, bounds);
+  for (gpu::uint i = 0; i < raster.cut_count; ++i)
+    distance = std::max(distance, -static_cast<double>(raster.cuts[i].gap.x));
+  const double diagonal = glm::length(bounds.hi - bounds.lo);
+  const double smallest = std::max(1e-7 * diagonal, 1e-18);
+  return distance > 0.0 ? std::max(0.5 * distance / longest_ray, smallest) : std::max(1e-4 * diagonal, 1e-18);
+}
+
+void plan_perspective(const View& view, const voml::Bounds& bounds, Shot& shot) {
+  const Basis basis = view_basis(view.camera);
+  const glm::dvec3& eye = view.camera.eye;
+  const double tan_y = std::tan(view.camera.fov_deg * std::numbers::pi / 360.0);
+  const double tan_x = tan_y * shot.size_px.x / shot.size_px.y;
+  const glm::dvec3 corner = basis.forward - tan_x * basis.right - tan_y * basis.down;
+
+  gpu::RasterParams& raster = shot.raster;
+  raster.eye = row(eye);
+  raster.forward = row(basis.forward);
+  raster.down = row(basis.down / tan_y);
+  raster.ray = row(corner);
+  raster.ray_x = row(basis.right * (2.0 * tan_x / shot.size_px.x));
+  raster.ray_y = row(basis.down * (2.0 * tan_y / shot.size_px.y));
+  raster.cut_count = static_cast<gpu::uint>(view.cuts.size());
+  for (std::size_t i = 0; i < view.cuts.size(); ++i) {
+    const double length = glm::length(view.cuts[i].normal);
+    const glm::dvec3 normal = view.cuts[i].normal / length;
+    const double d = view.cuts[i].d / length;
+    raster.cuts[i] = {row(normal, d), row({d - glm::dot(normal, eye), 0.0, 0.0})};
+    if (raster.cuts[i].gap.x < 0.0f) raster.eye_removed = 1;
+  }
+  raster.right = row(basis.right / tan_x, near_depth(bounds, eye, raster, glm::length(corner)));
+
+  shot.eye = eye;
+  shot.forward = basis.forward;
+  // From where the solid is left whole, sections are seen from within it only.
+  shot.has_caps = raster.cut_count > 0 && (raster.eye_removed != 0 || distance_to_box(eye, bounds) == 0.0);
+  const glm::dvec3 light = -basis.forward + 0.25 * basis.right - 0.4 * basis.down;
+  shot.pixels.light = row(glm::normalize(light), view.shading == Shading::lit ? 1.0 : 0.0);
+  shot.pixels.bounds_lo = row(bounds.lo);
+  shot.pixels.bounds_hi = row(bounds.hi);
+}
+
+}  // namespace
+
+Result<Shot> plan_shot(const View& view, const voml::Bounds& bounds, std::uint32_t largest_px) {
+  if (auto fault = view_fault(view, largest_px)) return fail(Fault::input, std::move(*fault));
+  Shot shot;
+  shot.size_px = view.size_px * view.samples;
+  if (view.slice) {
+    shot.slice = slice_frame(*view.slice, shot.size_px);
+    shot.pixels.bounds_lo = row(glm::dvec3(-1.0));
+    shot.pixels.bounds_hi = row(glm::dvec3(1.0));
+  } else {
+    plan_perspective(view, bounds, shot);
+  }
+  return shot;
+}
+
+void fill_slice_positions(const SliceFrame& slice, glm::uvec2 corner_px, glm::uvec2 size_px, glm::vec4* texels) {
+  constexpr double closed_cube = 1.0 + 1e-12;  // a plane given as "1 1 0 2" must not lose the edge to rounding
+  for (std::uint32_t y = 0; y < size_px.y; ++y) {
+    for (std::uint32_t x = 0; x < size_px.x; ++x) {
+      const glm::dvec3 p =
+          slice.origin + slice.step_x * double(corner_px.x + x) + slice.step_y * double(corner_px.y + y);
+      const bool inside = std::abs(p.x) <= closed_cube && std::abs(p.y) <= closed_cube && std::abs(p.z) <= closed_cube;
+      *texels++ = inside ? glm::vec4(glm::vec3(p), 1.0f) : glm::vec4(0.0f);
+    }
+  }
+}
+
+}  // namespace dmvv::runtime

@@ -1,0 +1,36 @@
+// Inside the runtime only: a view, checked and turned into what the shaders are told. Pure values.
+#pragma once
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+
+#include "runtime/view.h"
+#include "shaders/raster.h"
+#include "shaders/records.h"
+#include "voml/mesh.h"
+#include "voml/result.h"
+
+namespace dmvv::runtime {
+
+struct Shot {
+  glm::uvec2 size_px{0};       ///< what is rendered: the picture times the samples
+  gpu::RasterParams raster{};  ///< unused for slices; its tile is set for each tile
+  gpu::PixelsParams pixels{};  ///< its size is set for each tile
+  bool has_caps = false;       ///< sections of the cuts can be seen
+  glm::dvec3 eye{0.0};
+  glm::dvec3 forward{0.0};          ///< unit; depth is measured along it
+  std::optional<SliceFrame> slice;  ///< of size_px
+};
+
+/// `bounds` are those of the support mesh (ignored for slices); `largest_px` is the longest side that can be rendered.
+/// Errors (input): no pixel, a side times the samples beyond largest_px, samples not in 1..16, more than DMVV_MAX_CUTS
+/// cuts, a plane without a normal, a camera without a direction, an angle not between 0 and 180 degrees, anything not
+/// finite.
+Result<Shot> plan_shot(const View& view, const voml::Bounds& bounds, std::uint32_t largest_px);
+
+/// The position texels of a slice's tile: width * height times xyz1, or zeros where the pixel lies outside the standard
+/// cube. Computed in double and rounded once.
+void fill_slice_positions(const SliceFrame& slice, glm::uvec2 corner_px, glm::uvec2 size_px, glm::vec4* texels);
+
+}  // namespace dmvv::runtime
