@@ -57,7 +57,7 @@ Affine local_from_object(const voml::Transform& transform) {
   // as 1e-300 invert without loss.
   glm::dmat3 linear = glm::transpose(rotation_xyz(transform.rotate_deg));
   for (int column = 0; column < 3; ++column) linear[column] /= transform.scale;
-  return {linear, -(linear * transform.translate)};
+  return {linear, -(linear * transform.translate) + 0.0};  // + 0.0 turns -0 into 0
 }
 
 voml::Transform combine(const voml::Transform& transform, const voml::Seed& seed) {

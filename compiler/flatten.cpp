@@ -10,33 +10,34 @@ namespace {
 
 glm::vec4 vec(const glm::dvec3& v, double w = 0.0) { return glm::vec4(glm::dvec4(v, w)); }
 
-std::uint32_t reference(Id<Node> id, const Module& module) {
-  const auto* region = std::get_if<Id<Region>>(&at(module.nodes, id).content);
-  return region ? (region->index | DMVV_REGION_BIT) : id.index;
-}
-
 class Flattening {
  public:
   Flattening(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, bool use_index)
       : module_(module), grid_atlas_(grid_atlas), bitmap_atlas_(bitmap_atlas), use_index_(use_index) {}
 
   Records run() {
-    for (const Object& object : module_.objects) out_.objects.push_back(reference(object.root, module_));
-    for (const Node& node : module_.nodes) out_.nodes.push_back(flatten_node(node));
+    number_decisions();
+    for (const Object& object : module_.objects) out_.objects.push_back(references_[object.root.index]);
+    for (const Node& node : module_.nodes) {
+      if (const auto* decision = std::get_if<Decision>(&node.content)) out_.nodes.push_back(flatten_node(*decision));
+    }
     for (const Sdf& sdf : module_.sdfs) out_.sdfs.push_back(flatten_sdf(sdf));
     for (const Region& region : module_.regions) out_.regions.push_back(flatten_region(region));
     return std::move(out_);
   }
 
  private:
-  gpu::NodeRecord flatten_node(const Node& node) const {
-    gpu::NodeRecord record{};
-    if (const auto* decision = std::get_if<Decision>(&node.content)) {
-      record.sdf = decision->sdf.index;
-      record.positive = reference(decision->positive, module_);
-      record.negative = reference(decision->negative, module_);
+  /// Only decisions become records; a reference to a leaf names its region.
+  void number_decisions() {
+    std::uint32_t decisions = 0;
+    for (const Node& node : module_.nodes) {
+      const auto* region = std::get_if<Id<Region>>(&node.content);
+      references_.push_back(region ? (region->index | DMVV_REGION_BIT) : decisions++);
     }
-    return record;
+  }
+
+  gpu::NodeRecord flatten_node(const Decision& decision) const {
+    return {decision.sdf.index, references_[decision.positive.index], references_[decision.negative.index], 0};
   }
 
   gpu::SdfRecord flatten_sdf(const Sdf& sdf) {
@@ -108,6 +109,7 @@ class Flattening {
   const Atlas& grid_atlas_;
   const Atlas& bitmap_atlas_;
   bool use_index_;
+  std::vector<std::uint32_t> references_;  // of each node
   Records out_;
 };
 

@@ -12,7 +12,7 @@
 
 namespace dmvv::compiler {
 
-/// Records of a module, in its order: sdfs[i] is module.sdfs[i], and so on.
+/// Records of a module, in its order: sdfs[i] is module.sdfs[i], and so on; nodes are its decisions alone.
 struct Records {
   std::vector<gpu::NodeRecord> nodes;
   std::vector<gpu::SdfRecord> sdfs;

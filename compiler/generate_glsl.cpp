@@ -127,7 +127,7 @@ class Generator {
   }
 
   void open(const std::string& head) {
-    line("{} {", head);
+    line(head.empty() ? "{" : "{} {", head);
     indent_ += 2;
   }
   void close() {

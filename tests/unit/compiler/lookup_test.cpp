@@ -84,3 +84,11 @@ TEST_CASE("a wish beyond the budget is cut down, an empty list has one empty cel
   CHECK(none.cells.size() == 2);
   CHECK(none.at(glm::dvec3(0.3)).empty());
 }
+
+TEST_CASE("placements that all overlap get coarse cells, bounded lists and bounded work") {
+  std::vector<compiler::PlacedBox> boxes(50000);
+  for (auto& box : boxes) box.local_error = glm::dvec3(1e-6);
+  const compiler::Lookup lookup = compiler::build_lookup(boxes, glm::uvec3(0));
+  CHECK(lookup.lists.size() <= 1u << 24);
+  CHECK(lookup.at(glm::dvec3(0.5)).size() == boxes.size());
+}

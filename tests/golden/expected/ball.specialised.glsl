@@ -1,0 +1,26 @@
+// ---- the scene ----
+// S
+bool negative_0(vec3 p) {
+  return textureLod(grid_atlas, p * vec3(0.46153846) + vec3(0.5), 0.0).r <= 0.0;
+}
+
+// A
+void object_0(vec3 p, uint level) {
+  uint region;
+  if (negative_0(p)) {
+    region = 1u;  // IN
+  } else {
+    region = 0u;  // OUT
+  }
+  uint number = region == 0u ? 2u : 1u;
+  if (number != 0u) answer(region, number, p, level);
+}
+
+vec4 color_of(uint region, vec3 p) {
+  vec4 color = vec4(0.0);
+  if (region == 0u) color = vec4(0.0, 0.0, 1.0, 1.0);  // OUT
+  if (region == 1u) color = vec4(1.0, 0.0, 0.0, 1.0);  // IN
+  return color;
+}
+
+void evaluate(vec3 p) { object_0(p, 0u); }

@@ -1,0 +1,72 @@
+// ---- the scene ----
+// WALL
+bool negative_0(vec3 p) {
+  return textureLod(grid_atlas, p * vec3(0.46153846) + vec3(0.5), 0.0).r <= 0.0;
+}
+
+// NUCLEUS
+bool negative_1(vec3 p) {
+  vec3 q = p * vec3(2.5) + vec3(-0.25, 0.0, 0.0);
+  return in_cube(q) && textureLod(grid_atlas, q * vec3(0.46153846) + vec3(0.5), 0.0).r <= 0.0;
+}
+
+// CELL
+void object_2(vec3 p, uint level) {
+  uint region;
+  if (negative_0(p)) {
+    if (negative_1(p)) {
+      region = 4u;  // CORE
+    } else {
+      region = 3u;  // PLASMA
+    }
+  } else {
+    region = 2u;  // NONE
+  }
+  uint number = region == 2u ? 0u : region == 3u ? 1u : 2u;
+  if (number != 0u) answer(region, number, p, level);
+}
+
+// TUBE
+void object_1(vec3 p, uint level) {
+  {
+    // LUMEN: 1 candidates
+    if (hit_number == 0u) {
+      vec3 q = p * vec3(2.0);
+      if (in_cube(q)) object_2(q, level + 1u);
+      if (hit_number != 0u) came_through(1u, 0u, level);
+    }
+  }
+}
+
+// ROOT
+void object_0(vec3 p, uint level) {
+  {
+    // BASE: 2 candidates
+    if (hit_number == 0u) {
+      uvec2 range = find_cell(p, vec3(-0.90000033), vec3(0.55555534), uvec3(1u, 1u, 1u), 0u);
+      uint i = range.x;
+      for (; i < range.y && hit_number == 0u; ++i) {
+        uint c = lists[i];
+        vec3 q = apply(placements[2u + c].local_from_object, p);
+        if (in_cube(q)) {
+          uint object = placements[2u + c].object;
+          if (object == 1u) object_1(q, level + 1u);
+          else object_2(q, level + 1u);
+          if (hit_number != 0u) came_through(0u, c, level);
+        }
+      }
+      hit_unfinished = hit_unfinished || (hit_number == 0u && i < range.y);
+    }
+  }
+  if (hit_number == 0u) answer(0u, 3u, p, level);
+}
+
+vec4 color_of(uint region, vec3 p) {
+  vec4 color = vec4(0.0);
+  if (region == 0u) color = vec4(0.0, 0.0, 0.0, 1.0);  // BASE
+  if (region == 3u) color = vec4(0.9, 0.8, 0.7, 1.0);  // PLASMA
+  if (region == 4u) color = vec4(0.5, 0.1, 0.1, 1.0);  // CORE
+  return color;
+}
+
+void evaluate(vec3 p) { object_0(p, 0u); }
