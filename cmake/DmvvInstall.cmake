@@ -1,1 +1,27 @@
-# install rules
+# `cmake --install`: headers, libraries, program, the examples' sources, and a relocatable find_package(dmvv).
+include(CMakePackageConfigHelpers)
+
+# The contracts only; what a stage keeps to itself is not installed.
+set(DMVV_PUBLIC_HEADERS
+  authoring/distance_grid.h
+  compiler/affine.h compiler/compile.h compiler/module.h compiler/program.h compiler/reference.h
+  runtime/runtime.h runtime/view.h
+  shaders/records.h
+  voml/diagnostic_codes.def voml/diagnostics.h voml/files.h voml/grid.h voml/id.h voml/mesh.h voml/result.h voml/scene.h)
+foreach(header IN LISTS DMVV_PUBLIC_HEADERS)
+  cmake_path(GET header PARENT_PATH folder)
+  install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/dmvv/${folder})
+endforeach()
+
+install(TARGETS dmvv_voml dmvv_compiler dmvv_runtime dmvv_authoring EXPORT dmvvTargets
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS dmvv RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/dmvv/examples)
+
+set(DMVV_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/dmvv)
+install(EXPORT dmvvTargets NAMESPACE dmvv:: DESTINATION ${DMVV_PACKAGE_DIR})
+configure_package_config_file(cmake/dmvvConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/dmvvConfig.cmake
+  INSTALL_DESTINATION ${DMVV_PACKAGE_DIR} NO_SET_AND_CHECK_MACRO)
+write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/dmvvConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/dmvvConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/dmvvConfigVersion.cmake
+  DESTINATION ${DMVV_PACKAGE_DIR})

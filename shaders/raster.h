@@ -22,15 +22,15 @@ struct CutPlane {
 // forward.direction = 1, so that t is the depth along every ray.
 struct RasterParams {
   vec4 eye;
-  vec4 forward;  // unit
-  vec4 right;    // scaled: right.(x - eye) / t is -1..1 across the picture; w: near
-  vec4 down;     // scaled likewise; w unused
-  vec4 ray;      // direction through the corner (0, 0) of the picture
-  vec4 ray_x;    // its change from pixel to pixel, to the right
-  vec4 ray_y;    // and down
-  uint tile_x, tile_y;   // where the target's corner lies in the picture, pixels
+  vec4 forward;         // unit
+  vec4 right;           // scaled: right.(x - eye) / t is -1..1 across the picture; w: near
+  vec4 down;            // scaled likewise; w unused
+  vec4 ray;             // direction through the corner (0, 0) of the picture
+  vec4 ray_x;           // its change from pixel to pixel, to the right
+  vec4 ray_y;           // and down
+  uint tile_x, tile_y;  // where the target's corner lies in the picture, pixels
   uint cut_count;
-  uint eye_removed;      // 1 if some plane takes the eye's side away: then caps are seen from outside
+  uint eye_removed;  // 1 if some plane takes the eye's side away: then caps are seen from outside
   CutPlane cuts[DMVV_MAX_CUTS];
 };
 

@@ -8,6 +8,7 @@ layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 0) out vec3 surface_position;
 layout(location = 1) out vec3 surface_normal;
+layout(location = 2) flat out vec3 corner_position;  // of the triangle's first vertex
 
 invariant gl_Position;
 
@@ -17,5 +18,6 @@ void main() {
   gl_Position = vec4(dot(raster.right.xyz, from_eye), dot(raster.down.xyz, from_eye), raster.right.w,
                      dot(raster.forward.xyz, from_eye));
   surface_position = position;
+  corner_position = position;
   surface_normal = normal;
 }

@@ -1,0 +1,136 @@
+#include "cli/options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "voml/files.h"
+
+namespace dmvv::cli {
+namespace {
+constexpr std::uint64_t max_file_bytes = std::uint64_t{4} << 30;
+}
+
+void add_common_options(CLI::App& command, Context& context) {
+  command.add_flag("--quiet", context.quiet, "Print errors and results only");
+  command.add_flag("--timings", context.timings, "Print on stderr where the time went");
+}
+
+void add_root_and_strict(CLI::App& command, SceneOptions& options) {
+  command.add_option("--root", options.root, "Root object instead of the scene's last one")->type_name("NAME");
+  command.add_flag("--strict", options.strict, "Treat warnings as errors");
+}
+
+void add_scene_options(CLI::App& command, SceneOptions& options) {
+  command.add_option("SCENE", options.path, "VOML file")->required()->type_name("");
+  add_root_and_strict(command, options);
+}
+
+void add_device_options(CLI::App& command, DeviceChoice& choice) {
+  command.add_option("--device", choice.name, "Vulkan device whose name holds NAME (any case); default: the best one")
+      ->type_name("NAME");
+  command.add_flag("--validation", choice.validation,
+                   "Switch the Khronos validation layer on; its messages make the exit code 2");
+  command.add_flag("--no-cache", choice.no_cache, "Do not use the driver's shader cache");
+}
+
+void add_codegen_options(CLI::App& command, CodegenChoice& choice) {
+  command.add_option("--codegen", choice.codegen, "Shader form: specialised (default) or table")->type_name("FORM");
+  command.add_option("--atlas", choice.atlas, "Texels of the distance atlas: r32f (default) or r16f")
+      ->type_name("FORMAT");
+  command.add_option("--disable", choice.disabled_passes, "Switch a compiler pass off (repeatable)")
+      ->type_name("PASS")
+      ->allow_extra_args(false);
+}
+
+void add_time_option(CLI::App& command, double& time_ms) {
+  command.add_option("--time", time_ms, "Time in milliseconds; scenes do not move yet")
+      ->type_name("MS")
+      ->check([](const std::string& text) {
+        double value = 0;
+        return CLI::detail::lexical_cast(text, value) && std::isfinite(value) ? "" : "not a finite number: " + text;
+      });
+}
+
+compiler::CompileOptions compile_options(const CodegenChoice& choice) {
+  compiler::CompileOptions options;
+  if (choice.codegen == "thesis") {
+    fail_usage("--codegen thesis comes with the benchmark, which this version does not have",
+               {"use specialised or table"});
+  }
+  if (choice.codegen != "specialised" && choice.codegen != "table") {
+    fail_usage(fmt::format("--codegen: unknown form '{}'", choice.codegen), {"use specialised or table"});
+  }
+  if (choice.atlas != "r32f" && choice.atlas != "r16f") {
+    fail_usage(fmt::format("--atlas: unknown format '{}'", choice.atlas), {"use r32f or r16f"});
+  }
+  options.codegen = choice.codegen == "table" ? compiler::Codegen::table : compiler::Codegen::specialised;
+  options.atlas_format = choice.atlas == "r16f" ? compiler::TexelFormat::r16f : compiler::TexelFormat::r32f;
+
+  const auto& passes = compiler::pass_names();
+  for (const std::string& name : choice.disabled_passes) {
+    if (std::ranges::any_of(passes, [&](const auto& pass) { return pass.name == name; })) continue;
+    std::vector<std::string> reasons{"passes that can be switched off:"};
+    for (const auto& pass : passes) reasons.push_back(fmt::format("  {:<16} {}", pass.name, pass.what));
+    fail_usage(fmt::format("--disable: unknown pass '{}'", name), std::move(reasons));
+  }
+  options.disabled_passes = choice.disabled_passes;
+  return options;
+}
+
+voml::Scene read_scene(const SceneOptions& options, Context& context, Diagnostics& diagnostics) {
+  auto scene = voml::read_scene(options.path, disk_files(), {options.root, false}, diagnostics);
+  context.stopwatch.lap("read");
+  if (!scene) stop_with(diagnostics, context);
+  return std::move(*scene);
+}
+
+compiler::Module lower(voml::Scene scene, Context& context, Diagnostics& diagnostics) {
+  auto module = compiler::lower(std::move(scene), diagnostics);
+  context.stopwatch.lap("compile");
+  if (!module) stop_with(diagnostics, context);
+  return std::move(*module);
+}
+
+compiler::Program compile(compiler::Module module, compiler::CompileOptions options,
+                          std::optional<compiler::Kernel> kernel, const runtime::Device* device, Context& context,
+                          Diagnostics& diagnostics) {
+  if (device) {
+    options.max_extent_3d = device->info().max_extent_3d;
+    options.max_storage_buffer = device->info().max_storage_buffer;
+  }
+  auto program = compiler::compile(std::move(module), options, diagnostics);
+  context.stopwatch.lap("compile");
+  if (!program) stop_with(diagnostics, context);
+  print_diagnostics(diagnostics, context);
+  if (kernel) {
+    must(compiler::to_spirv(*program, *kernel));
+    context.stopwatch.lap("SPIR-V");
+  }
+  return std::move(*program);
+}
+
+runtime::Device open_device(const DeviceChoice& choice, Context& context) {
+  auto device = must(runtime::Device::create({choice.name, choice.validation, !choice.no_cache}));
+  context.stopwatch.lap("device");
+  return device;
+}
+
+int exit_code_of(const runtime::Device& device) {
+  const std::vector<std::string> messages = device.validation_messages();
+  if (messages.empty()) return exit_done;
+  print_error({Fault::environment, fmt::format("the validation layer has {} messages", messages.size()), messages});
+  return exit_environment;
+}
+
+voml::Mesh read_mesh(const std::string& path, Context& context, Diagnostics& diagnostics) {
+  auto mesh = voml::parse_mesh(path, read_bytes(path), diagnostics);
+  context.stopwatch.lap("read");
+  if (!mesh) stop_with(diagnostics, context);
+  return std::move(*mesh);
+}
+
+std::string read_bytes(const std::string& path) { return must(disk_files()(path, max_file_bytes)); }
+
+}  // namespace dmvv::cli

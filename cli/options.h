@@ -1,0 +1,71 @@
+// Options that several subcommands share, and the stages they steer: from a file's name to a Module, Program or Device.
+#pragma once
+
+#include <CLI/App.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/context.h"
+#include "compiler/compile.h"
+#include "compiler/module.h"
+#include "runtime/runtime.h"
+#include "voml/mesh.h"
+#include "voml/scene.h"
+
+namespace dmvv::cli {
+
+struct SceneOptions {
+  std::string path;
+  std::string root;
+  bool strict = false;
+};
+
+struct DeviceChoice {
+  std::string name;
+  bool validation = false;
+  bool no_cache = false;
+};
+
+struct CodegenChoice {
+  std::string codegen = "specialised";
+  std::string atlas = "r32f";
+  std::vector<std::string> disabled_passes;
+};
+
+/// --quiet and --timings, which every subcommand has.
+void add_common_options(CLI::App& command, Context& context);
+/// SCENE, --root, --strict.
+void add_scene_options(CLI::App& command, SceneOptions& options);
+void add_root_and_strict(CLI::App& command, SceneOptions& options);
+/// --device, --validation, --no-cache.
+void add_device_options(CLI::App& command, DeviceChoice& choice);
+/// --codegen, --atlas, --disable.
+void add_codegen_options(CLI::App& command, CodegenChoice& choice);
+/// --time. Scenes do not move yet, so any finite time shows the same.
+void add_time_option(CLI::App& command, double& time_ms);
+
+/// Refuses unknown forms and passes as wrong usage, listing the known ones.
+compiler::CompileOptions compile_options(const CodegenChoice& choice);
+
+/// SCENE -> Scene -> Module; mistakes are printed and stop the command. Warnings wait in `diagnostics`.
+voml::Scene read_scene(const SceneOptions& options, Context& context, Diagnostics& diagnostics);
+compiler::Module lower(voml::Scene scene, Context& context, Diagnostics& diagnostics);
+
+/// Module -> Program with the SPIR-V of the kernel, for a device if there is one. Prints what `diagnostics` holds.
+compiler::Program compile(compiler::Module module, compiler::CompileOptions options,
+                          std::optional<compiler::Kernel> kernel, const runtime::Device* device, Context& context,
+                          Diagnostics& diagnostics);
+
+runtime::Device open_device(const DeviceChoice& choice, Context& context);
+
+/// The exit code of a command that used the device: its validation messages go to stderr and make it 2.
+int exit_code_of(const runtime::Device& device);
+
+/// Reads a mesh; mistakes are printed and stop the command.
+voml::Mesh read_mesh(const std::string& path, Context& context, Diagnostics& diagnostics);
+
+/// A whole file, of at most 4 GiB.
+std::string read_bytes(const std::string& path);
+
+}  // namespace dmvv::cli

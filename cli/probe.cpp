@@ -1,0 +1,161 @@
+// dmvv probe SCENE: what the scene is at points.
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <iostream>
+#include <iterator>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "cli/commands.h"
+#include "cli/options.h"
+#include "compiler/reference.h"
+#include "voml/grid.h"
+
+namespace dmvv::cli {
+namespace {
+
+struct ProbeOptions {
+  SceneOptions scene;
+  DeviceChoice device;
+  CodegenChoice codegen;
+  double time_ms = 0;
+  std::string points_file;
+  std::vector<std::string> points;
+  std::string backend = "reference";
+  bool json = false;
+};
+
+std::vector<glm::dvec3> parse_points(const std::string& name, std::string text, int exit_code, Context& context) {
+  Diagnostics diagnostics;
+  const SourceId source = diagnostics.add_source(name, std::move(text));
+  auto points = voml::parse_vectors(source, diagnostics);
+  if (points) return std::move(*points);
+  print_diagnostics(diagnostics, context);
+  throw Stop{exit_code};
+}
+
+/// The points of --points, then those of --point.
+std::vector<glm::dvec3> read_points(const ProbeOptions& options, Context& context) {
+  std::vector<glm::dvec3> points;
+  if (options.points_file.empty() && options.points.empty()) {
+    fail_usage("no points given", {"use --points FILE, --points - or --point \"X Y Z\""});
+  }
+  if (options.points_file == "-") {
+    points = parse_points("<stdin>", std::string(std::istreambuf_iterator<char>(std::cin), {}), exit_input, context);
+  } else if (!options.points_file.empty()) {
+    points = parse_points(options.points_file, read_bytes(options.points_file), exit_input, context);
+  }
+  for (const std::string& text : options.points) {
+    const auto one = parse_points("--point", text, exit_environment, context);
+    if (one.size() != 1) fail_usage(fmt::format("--point: '{}' is not one point \"X Y Z\"", text));
+    points.push_back(one.front());
+  }
+  return points;
+}
+
+std::string quoted(const std::string& text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+/// Colours are float32, whichever backend answers: their shortest text is that of a float.
+std::string colour_text(const glm::dvec4& rgba, std::string_view separator) {
+  return fmt::format("{}{}{}{}{}", static_cast<float>(rgba.r), separator, static_cast<float>(rgba.g), separator,
+                     static_cast<float>(rgba.b));
+}
+
+std::string json_line(const glm::dvec3& p, const compiler::PointAnswer& answer,
+                      const std::vector<compiler::RegionInfo>& regions) {
+  const std::string point = fmt::format("[{},{},{}]", p.x, p.y, p.z);
+  if (answer.number == 0) return fmt::format("{{\"p\":{},\"path\":null,\"region\":null,\"rgb\":null}}\n", point);
+  return fmt::format("{{\"p\":{},\"path\":{},\"region\":{},\"rgb\":[{}]}}\n", point,
+                     quoted(compiler::format_path(regions, answer.path)),
+                     quoted(regions[answer.path.back().region].region), colour_text(answer.rgba, ","));
+}
+
+std::string plain_line(const glm::dvec3& p, const compiler::PointAnswer& answer,
+                       const std::vector<compiler::RegionInfo>& regions) {
+  if (answer.number == 0) return fmt::format("{} {} {}\tempty\n", p.x, p.y, p.z);
+  return fmt::format("{} {} {}\t{}\t{}\n", p.x, p.y, p.z, compiler::format_path(regions, answer.path),
+                     colour_text(answer.rgba, " "));
+}
+
+void print_answers(std::span<const glm::dvec3> points, std::span<const compiler::PointAnswer> answers,
+                   const std::vector<compiler::RegionInfo>& regions, bool json) {
+  std::string text;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    text += (json ? json_line : plain_line)(points[i], answers[i], regions);
+  }
+  print_result(text);
+}
+
+int probe_reference(const ProbeOptions& options, std::span<const glm::dvec3> points, compiler::Module module,
+                    Context& context, Diagnostics& diagnostics) {
+  print_diagnostics(diagnostics, context);
+  const compiler::Reference reference(module);
+  std::vector<compiler::PointAnswer> answers;
+  answers.reserve(points.size());
+  for (const glm::dvec3& p : points) answers.push_back(reference.evaluate(p));
+  context.stopwatch.lap("evaluate");
+  print_answers(points, answers, compiler::legend(module), options.json);
+  context.stopwatch.lap("print");
+  return exit_done;
+}
+
+int probe_vulkan(const ProbeOptions& options, std::span<const glm::dvec3> points, compiler::Module module,
+                 Context& context, Diagnostics& diagnostics) {
+  runtime::Device device = open_device(options.device, context);
+  const compiler::Program program = compile(std::move(module), compile_options(options.codegen),
+                                            compiler::Kernel::points, &device, context, diagnostics);
+  runtime::Timings timings;
+  auto evaluator = must(runtime::Evaluator::create(device, program, &timings));
+  const auto answers = must(evaluator.probe(points, &timings));
+  context.stopwatch.lap(timings, "other");
+  if (const int exit_code = exit_code_of(device); exit_code != exit_done) return exit_code;
+  print_answers(points, answers, program.regions, options.json);
+  context.stopwatch.lap("print");
+  return exit_done;
+}
+
+int probe(const ProbeOptions& options, Context& context) {
+  if (options.backend != "reference" && options.backend != "vulkan") {
+    fail_usage(fmt::format("--backend: unknown backend '{}'", options.backend), {"use reference or vulkan"});
+  }
+  compile_options(options.codegen);  // refuses wrong usage on either backend
+  const std::vector<glm::dvec3> points = read_points(options, context);
+  Diagnostics diagnostics(options.scene.strict);
+  compiler::Module module = lower(read_scene(options.scene, context, diagnostics), context, diagnostics);
+  const auto run = options.backend == "vulkan" ? probe_vulkan : probe_reference;
+  return run(options, points, std::move(module), context, diagnostics);
+}
+
+}  // namespace
+
+void add_probe(CLI::App& app, Invocation& invocation) {
+  auto options = std::make_shared<ProbeOptions>();
+  CLI::App& command = *app.add_subcommand("probe", "Tell what a scene is at points");
+  add_scene_options(command, options->scene);
+  command
+      .add_option("--points", options->points_file,
+                  "File of points, \"X Y Z\" a line in root coordinates; - is the standard input")
+      ->type_name("FILE");
+  command.add_option("--point", options->points, "One point, \"X Y Z\" (repeatable)")
+      ->type_name("POINT")
+      ->allow_extra_args(false);
+  command
+      .add_option("--backend", options->backend,
+                  "reference (default; double precision, on the CPU) or vulkan (the generated shader)")
+      ->type_name("NAME");
+  command.add_flag("--json", options->json, "One JSON object a line: p, path, region, rgb");
+  add_time_option(command, options->time_ms);
+  add_codegen_options(command, options->codegen);
+  add_device_options(command, options->device);
+  add_common_options(command, invocation.context);
+  command.footer("Example:  echo \"0 0.2 0.1\" | dmvv probe orange.voml --points - --json");
+  command.callback([&invocation, options] {
+    invocation.command = [options](Context& context) { return probe(*options, context); };
+  });
+}
+
+}  // namespace dmvv::cli

@@ -1,0 +1,212 @@
+// dmvv render SCENE -o PICTURE: one picture, and on request region numbers and depth beside it.
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "cli/commands.h"
+#include "cli/options.h"
+#include "cli/outputs.h"
+#include "runtime/view.h"
+
+namespace dmvv::cli {
+namespace {
+
+struct RenderOptions {
+  SceneOptions scene;
+  DeviceChoice device;
+  CodegenChoice codegen;
+  double time_ms = 0;
+  std::string picture;
+  std::string size = "1280x720";
+  std::string camera;
+  std::string mesh;
+  std::vector<std::string> cuts;
+  std::string slice;
+  std::string shading = "lit";
+  std::uint32_t samples = 1;
+  std::vector<std::string> aovs;
+};
+
+/// The pictures beside the picture; empty where not asked for.
+struct AovPaths {
+  std::string region;
+  std::string depth;
+};
+
+/// Reads "region=FILE", "depth=FILE", and both with a comma between. A comma within a name stays.
+AovPaths parse_aovs(const std::vector<std::string>& words) {
+  AovPaths paths;
+  for (std::string rest : words) {
+    while (!rest.empty()) {
+      const std::size_t comma = std::min(rest.find(",region="), rest.find(",depth="));
+      const std::string word = rest.substr(0, comma);
+      rest = comma == std::string::npos ? "" : rest.substr(comma + 1);
+      const std::size_t equals = word.find('=');
+      const std::string name = word.substr(0, equals);
+      std::string* const path = name == "region" ? &paths.region : name == "depth" ? &paths.depth : nullptr;
+      if (!path || equals == std::string::npos || equals + 1 == word.size()) {
+        fail_usage(fmt::format("--aov: cannot read '{}'", word), {"write region=FILE or depth=FILE"});
+      }
+      if (!path->empty()) fail_usage(fmt::format("--aov: {} is asked for twice", name));
+      *path = word.substr(equals + 1);
+    }
+  }
+  return paths;
+}
+
+/// What the texts of the options say; the camera waits for the mesh it frames.
+runtime::View parse_view(const RenderOptions& options) {
+  runtime::View view;
+  view.size_px = must_parse("--size", runtime::parse_size(options.size));
+  if (!options.camera.empty()) view.camera = must_parse("--camera", runtime::parse_camera(options.camera));
+  for (const std::string& cut : options.cuts) view.cuts.push_back(must_parse("--cut", runtime::parse_plane(cut)));
+  if (!options.slice.empty()) view.slice = must_parse("--slice", runtime::parse_slice(options.slice));
+  if (options.shading != "none" && options.shading != "lit") {
+    fail_usage(fmt::format("--shading: unknown word '{}'", options.shading), {"use none or lit"});
+  }
+  view.shading = options.shading == "lit" ? runtime::Shading::lit : runtime::Shading::none;
+  view.samples = options.samples;
+  return view;
+}
+
+std::string legend_json(std::vector<compiler::RegionInfo> regions) {
+  std::ranges::sort(regions, {}, &compiler::RegionInfo::number);
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const compiler::RegionInfo& region : regions) {
+    if (region.number == 0) continue;  // empty: never in a picture
+    nlohmann::ordered_json entry{
+        {"number", region.number}, {"object", region.object}, {"region", region.region}, {"kind", region.kind}};
+    if (region.kind == "color") {
+      entry["rgb"] = {region.rgb.r, region.rgb.g, region.rgb.b};
+    } else {
+      entry["rgb"] = nullptr;
+    }
+    list.push_back(std::move(entry));
+  }
+  const nlohmann::ordered_json legend{{"regions", std::move(list)}};
+  return legend.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
+}
+
+void announce(Outputs& outputs, const RenderOptions& options, const AovPaths& aovs) {
+  outputs.announce(options.picture, {".png", ".tif", ".tiff", ".exr"});
+  if (!aovs.region.empty()) {
+    outputs.announce(aovs.region, {".exr", ".png", ".tif", ".tiff"});
+    outputs.announce(with_ending(aovs.region, ".json"));
+  }
+  if (!aovs.depth.empty()) outputs.announce(aovs.depth, {".exr"});
+}
+
+void write(Outputs& outputs, const RenderOptions& options, const AovPaths& aovs, const runtime::Picture& picture,
+           const std::vector<compiler::RegionInfo>& regions) {
+  outputs.write(options.picture, [&](const std::string& path) { return runtime::write_picture(path, picture); });
+  if (!aovs.region.empty()) {
+    outputs.write(aovs.region, [&](const std::string& path) { return runtime::write_regions(path, picture); });
+    outputs.write_bytes(with_ending(aovs.region, ".json"), legend_json(regions));
+  }
+  if (!aovs.depth.empty()) {
+    outputs.write(aovs.depth, [&](const std::string& path) { return runtime::write_depth(path, picture); });
+  }
+  outputs.commit();
+}
+
+/// Mesh and camera of the view. The mesh must outlive the view.
+std::optional<voml::Mesh> place_camera(runtime::View& view, const RenderOptions& options, Context& context,
+                                       Diagnostics& diagnostics) {
+  std::optional<voml::Mesh> mesh;
+  if (!options.mesh.empty()) mesh = read_mesh(options.mesh, context, diagnostics);
+  if (options.camera.empty() && !view.slice) {
+    const voml::Bounds bounds = mesh ? voml::bounds(*mesh) : voml::Bounds{glm::dvec3(-1.0), glm::dvec3(1.0)};
+    view.camera = runtime::default_camera(bounds, view.size_px, view.cuts);
+  }
+  return mesh;
+}
+
+int render(const RenderOptions& options, Context& context) {
+  // Everything that can be refused without the scene comes first.
+  runtime::View view = parse_view(options);
+  const AovPaths aovs = parse_aovs(options.aovs);
+  view.want_regions = !aovs.region.empty();
+  view.want_depth = !aovs.depth.empty();
+  const compiler::CompileOptions form = compile_options(options.codegen);
+  Outputs outputs;
+  announce(outputs, options, aovs);
+
+  Diagnostics diagnostics(options.scene.strict);
+  voml::Scene scene = read_scene(options.scene, context, diagnostics);
+  const std::optional<voml::Mesh> mesh = place_camera(view, options, context, diagnostics);
+  if (mesh) view.mesh = &*mesh;
+  runtime::Device device = open_device(options.device, context);
+  const compiler::Program program = compile(lower(std::move(scene), context, diagnostics), form,
+                                            compiler::Kernel::pixels, &device, context, diagnostics);
+  runtime::Timings timings;
+  auto evaluator = must(runtime::Evaluator::create(device, program, &timings));
+  const runtime::Picture picture = must(evaluator.render(view, &timings));
+  context.stopwatch.lap(timings, "other");
+
+  if (picture.open_edges != 0 && !context.quiet) {
+    print_warning(
+        fmt::format("'{}' has {} open edges: the caps of its cuts may leak", options.mesh, picture.open_edges));
+  }
+  if (const int exit_code = exit_code_of(device); exit_code != exit_done) return exit_code;
+  write(outputs, options, aovs, picture, program.regions);
+  context.stopwatch.lap("encode");
+  if (!context.quiet) {
+    print_result(fmt::format("{}: {}x{}, {:.2f} s on {}\n", options.picture, picture.size_px.x, picture.size_px.y,
+                             context.stopwatch.seconds(), device.info().name));
+  }
+  return exit_done;
+}
+
+void add_view_options(CLI::App& command, RenderOptions& options) {
+  command.add_option("--size", options.size, "Width and height in pixels; default 1280x720")->type_name("WxH");
+  auto* camera = command
+                     .add_option("--camera", options.camera,
+                                 "\"eye X Y Z look X Y Z fov DEGREES\", \"up X Y Z\" optional; default: a camera that "
+                                 "frames the mesh")
+                     ->type_name("TEXT");
+  auto* mesh = command.add_option("--mesh", options.mesh, "Support mesh (OBJ, PLY, STL); default: the standard cube")
+                   ->type_name("FILE");
+  auto* cut = command.add_option("--cut", options.cuts, "\"NX NY NZ D\" takes away n.x > D (repeatable)")
+                  ->type_name("PLANE")
+                  ->allow_extra_args(false);
+  command.add_option("--slice", options.slice, "Draw the section of a plane instead: \"z=0\" or \"NX NY NZ D\"")
+      ->type_name("PLANE")
+      ->excludes(camera)
+      ->excludes(mesh)
+      ->excludes(cut);
+  command.add_option("--shading", options.shading, "none or lit (default; slices are never lit)")->type_name("WORD");
+  command.add_option("--samples", options.samples, "Samples along each axis of a pixel, 1 to 16; default 1")
+      ->type_name("N")
+      ->check(CLI::Range(1, 16));
+  command
+      .add_option("--aov", options.aovs,
+                  "More pictures: region=FILE (numbers, with a .json legend beside it), depth=FILE (.exr)")
+      ->type_name("KIND=FILE")
+      ->allow_extra_args(false);
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, Invocation& invocation) {
+  auto options = std::make_shared<RenderOptions>();
+  CLI::App& command = *app.add_subcommand("render", "Draw a picture of a scene");
+  add_scene_options(command, options->scene);
+  command.add_option("-o,--output", options->picture, "Picture: .png, .tif or .exr")->required()->type_name("PICTURE");
+  add_view_options(command, *options);
+  add_time_option(command, options->time_ms);
+  add_codegen_options(command, options->codegen);
+  add_device_options(command, options->device);
+  add_common_options(command, invocation.context);
+  command.footer(
+      "Examples:  dmvv render orange.voml -o half.png --cut \"0 0 1 0\" --camera \"eye 3 2 4 look 0 0 0 fov 30\"\n"
+      "           dmvv render orange.voml -o section.png --slice z=0 --aov region=ids.exr");
+  command.callback([&invocation, options] {
+    invocation.command = [options](Context& context) { return render(*options, context); };
+  });
+}
+
+}  // namespace dmvv::cli

@@ -1,0 +1,10 @@
+# The README's C++ code is the consumer's test, word by word.   cmake -DREADME=... -DTEST=... -P compare_readme.cmake
+file(READ ${README} readme)
+file(READ ${TEST} test)
+string(REGEX MATCH "```cpp\n([^`]*)```" block "${readme}")
+if(NOT block)
+  message(FATAL_ERROR "${README} has no cpp block")
+endif()
+if(NOT "${CMAKE_MATCH_1}" STREQUAL "${test}")
+  message(FATAL_ERROR "the cpp block of ${README} differs from ${TEST}")
+endif()

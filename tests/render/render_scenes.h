@@ -1,0 +1,31 @@
+// Scenes of the render tests, and pictures as they come back from the program.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "compiler/module.h"
+#include "tests/cli/program.h"
+
+namespace dmvv::test {
+
+/// A scene that exercises one thing, its files written into a folder.
+struct RenderScene {
+  std::string name;
+  std::string path;
+};
+
+/// Grids, seeds, tiling, embeddings with rotations and lookup boxes, bitmaps.
+std::vector<RenderScene> write_render_scenes(const Folder& folder);
+
+/// The scene as the reference reads it.
+compiler::Module read_module(const std::string& path);
+
+/// One channel of an EXR picture, as it is stored, rows from the top.
+std::vector<std::uint32_t> read_regions(const std::string& path);
+std::vector<float> read_depth(const std::string& path);
+/// RGBA of a PNG picture.
+std::vector<std::uint8_t> read_rgba8(const std::string& path);
+
+}  // namespace dmvv::test
