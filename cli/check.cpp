@@ -6,6 +6,8 @@
 
 #include "cli/commands.h"
 #include "cli/options.h"
+#include "compiler/lint.h"
+#include "compiler/snippet/snippet.h"
 #include "voml/files.h"
 
 namespace dmvv::cli {
@@ -21,16 +23,18 @@ bool is_fine(const std::string& path, const CheckOptions& options, Context& cont
   auto scene = voml::read_scene(path, disk_files(), {options.scene.root, true}, diagnostics);
   std::string counts;
   if (scene) {
-    counts = fmt::format("{} objects, {} SDFs, {} regions", scene->objects.size(), scene->sdfs.size(),
-                         scene->regions.size());
-    if (!compiler::lower(std::move(*scene), diagnostics)) scene.reset();
+    counts = fmt::format("{}, {}, {}", plural(scene->objects.size(), "object"), plural(scene->sdfs.size(), "SDF"),
+                         plural(scene->regions.size(), "region"));
+    // Those of objects that the root does not reach, too.
+    for (const voml::Function& function : scene->functions) compiler::snippet::compile_snippet(function, diagnostics);
+    const auto module = compiler::lower(std::move(*scene), diagnostics);
+    if (module) compiler::lint(*module, diagnostics);
   }
   context.stopwatch.lap("check");
   print_diagnostics(diagnostics, context);
-  if (!scene || diagnostics.has_errors()) return false;
+  if (diagnostics.has_errors()) return false;
   const std::size_t warnings = diagnostics.warning_count();
-  const std::string verdict =
-      warnings == 0 ? "fine" : fmt::format("usable, {} warning{}", warnings, warnings == 1 ? "" : "s");
+  const std::string verdict = warnings == 0 ? "fine" : "usable, " + plural(warnings, "warning");
   if (!context.quiet) print_result(fmt::format("{}: {}: {}\n", path, verdict, counts));
   return true;
 }

@@ -9,9 +9,11 @@ namespace dmvv::cli {
 
 void add_check(CLI::App& app, Invocation& invocation);
 void add_render(CLI::App& app, Invocation& invocation);
+void add_animate(CLI::App& app, Invocation& invocation);
 void add_probe(CLI::App& app, Invocation& invocation);
 void add_compile(CLI::App& app, Invocation& invocation);
 void add_info(CLI::App& app, Invocation& invocation);
 void add_sdf(CLI::App& app, Invocation& invocation);
+void add_seeds(CLI::App& app, Invocation& invocation);
 
 }  // namespace dmvv::cli

@@ -1,10 +1,10 @@
 #include "cli/context.h"
 
 #include <fmt/core.h>
-#include <fmt/ostream.h>
 #include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -135,6 +135,10 @@ void print_diagnostics(const Diagnostics& diagnostics, const Context& context) {
 void stop_with(const Diagnostics& diagnostics, const Context& context) {
   print_diagnostics(diagnostics, context);
   throw Stop{exit_input};
+}
+
+std::string plural(std::size_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
 void print_result(const std::string& text) {

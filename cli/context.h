@@ -4,6 +4,7 @@
 #include <chrono>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -85,6 +86,9 @@ void print_warning(const std::string& message);
 void print_diagnostics(const Diagnostics& diagnostics, const Context& context);
 /// Prints the diagnostics and stops with exit code 1.
 [[noreturn]] void stop_with(const Diagnostics& diagnostics, const Context& context);
+
+/// "1 seed", "2 seeds"
+std::string plural(std::size_t count, std::string_view noun);
 
 /// Writes to stdout. A reader that closed the pipe or a full disk ends the command.
 void print_result(const std::string& text);

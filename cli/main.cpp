@@ -67,10 +67,12 @@ int main_function(int count, char** words) {
   app.require_subcommand(1);
   add_check(app, invocation);
   add_render(app, invocation);
+  add_animate(app, invocation);
   add_probe(app, invocation);
   add_compile(app, invocation);
   add_info(app, invocation);
   add_sdf(app, invocation);
+  add_seeds(app, invocation);
   try {
     app.parse(arguments(count, words));
   } catch (const CLI::ParseError& error) {

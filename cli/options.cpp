@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voml/files.h"
-
 namespace dmvv::cli {
 namespace {
 constexpr std::uint64_t max_file_bytes = std::uint64_t{4} << 30;
@@ -45,7 +43,7 @@ void add_codegen_options(CLI::App& command, CodegenChoice& choice) {
 }
 
 void add_time_option(CLI::App& command, double& time_ms) {
-  command.add_option("--time", time_ms, "Time in milliseconds; scenes do not move yet")
+  command.add_option("--time", time_ms, "Time since the start of the animation, in milliseconds (0)")
       ->type_name("MS")
       ->check([](const std::string& text) {
         double value = 0;
@@ -79,8 +77,8 @@ compiler::CompileOptions compile_options(const CodegenChoice& choice) {
   return options;
 }
 
-voml::Scene read_scene(const SceneOptions& options, Context& context, Diagnostics& diagnostics) {
-  auto scene = voml::read_scene(options.path, disk_files(), {options.root, false}, diagnostics);
+voml::Scene read_scene(const SceneOptions& options, Context& context, Diagnostics& diagnostics, const ReadFile& files) {
+  auto scene = voml::read_scene(options.path, files, {options.root, false}, diagnostics);
   context.stopwatch.lap("read");
   if (!scene) stop_with(diagnostics, context);
   return std::move(*scene);
@@ -120,17 +118,17 @@ runtime::Device open_device(const DeviceChoice& choice, Context& context) {
 int exit_code_of(const runtime::Device& device) {
   const std::vector<std::string> messages = device.validation_messages();
   if (messages.empty()) return exit_done;
-  print_error({Fault::environment, fmt::format("the validation layer has {} messages", messages.size()), messages});
+  print_error({Fault::environment, "the validation layer has " + plural(messages.size(), "message"), messages});
   return exit_environment;
 }
 
-voml::Mesh read_mesh(const std::string& path, Context& context, Diagnostics& diagnostics) {
-  auto mesh = voml::parse_mesh(path, read_bytes(path), diagnostics);
+voml::Mesh read_mesh(const std::string& path, Context& context, Diagnostics& diagnostics, const ReadFile& files) {
+  auto mesh = voml::parse_mesh(path, read_bytes(path, files), diagnostics);
   context.stopwatch.lap("read");
   if (!mesh) stop_with(diagnostics, context);
   return std::move(*mesh);
 }
 
-std::string read_bytes(const std::string& path) { return must(disk_files()(path, max_file_bytes)); }
+std::string read_bytes(const std::string& path, const ReadFile& files) { return must(files(path, max_file_bytes)); }
 
 }  // namespace dmvv::cli

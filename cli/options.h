@@ -10,6 +10,7 @@
 #include "compiler/compile.h"
 #include "compiler/module.h"
 #include "runtime/runtime.h"
+#include "voml/files.h"
 #include "voml/mesh.h"
 #include "voml/scene.h"
 
@@ -42,14 +43,15 @@ void add_root_and_strict(CLI::App& command, SceneOptions& options);
 void add_device_options(CLI::App& command, DeviceChoice& choice);
 /// --codegen, --atlas, --disable.
 void add_codegen_options(CLI::App& command, CodegenChoice& choice);
-/// --time. Scenes do not move yet, so any finite time shows the same.
+/// --time, a finite number of milliseconds.
 void add_time_option(CLI::App& command, double& time_ms);
 
 /// Refuses unknown forms and passes as wrong usage, listing the known ones.
 compiler::CompileOptions compile_options(const CodegenChoice& choice);
 
 /// SCENE -> Scene -> Module; mistakes are printed and stop the command. Warnings wait in `diagnostics`.
-voml::Scene read_scene(const SceneOptions& options, Context& context, Diagnostics& diagnostics);
+voml::Scene read_scene(const SceneOptions& options, Context& context, Diagnostics& diagnostics,
+                       const ReadFile& files = disk_files());
 compiler::Module lower(voml::Scene scene, Context& context, Diagnostics& diagnostics);
 
 /// Module -> Program with the SPIR-V of the kernel, for a device if there is one. Prints what `diagnostics` holds.
@@ -63,9 +65,10 @@ runtime::Device open_device(const DeviceChoice& choice, Context& context);
 int exit_code_of(const runtime::Device& device);
 
 /// Reads a mesh; mistakes are printed and stop the command.
-voml::Mesh read_mesh(const std::string& path, Context& context, Diagnostics& diagnostics);
+voml::Mesh read_mesh(const std::string& path, Context& context, Diagnostics& diagnostics,
+                     const ReadFile& files = disk_files());
 
 /// A whole file, of at most 4 GiB.
-std::string read_bytes(const std::string& path);
+std::string read_bytes(const std::string& path, const ReadFile& files = disk_files());
 
 }  // namespace dmvv::cli

@@ -92,11 +92,12 @@ void print_answers(std::span<const glm::dvec3> points, std::span<const compiler:
 
 int probe_reference(const ProbeOptions& options, std::span<const glm::dvec3> points, compiler::Module module,
                     Context& context, Diagnostics& diagnostics) {
+  if (!compiler::can_evaluate(module, diagnostics)) stop_with(diagnostics, context);
   print_diagnostics(diagnostics, context);
   const compiler::Reference reference(module);
   std::vector<compiler::PointAnswer> answers;
   answers.reserve(points.size());
-  for (const glm::dvec3& p : points) answers.push_back(reference.evaluate(p));
+  for (const glm::dvec3& p : points) answers.push_back(reference.evaluate(p, options.time_ms));
   context.stopwatch.lap("evaluate");
   print_answers(points, answers, compiler::legend(module), options.json);
   context.stopwatch.lap("print");
@@ -110,7 +111,7 @@ int probe_vulkan(const ProbeOptions& options, std::span<const glm::dvec3> points
                                             compiler::Kernel::points, &device, context, diagnostics);
   runtime::Timings timings;
   auto evaluator = must(runtime::Evaluator::create(device, program, &timings));
-  const auto answers = must(evaluator.probe(points, &timings));
+  const auto answers = must(evaluator.probe(points, options.time_ms, &timings));
   context.stopwatch.lap(timings, "other");
   if (const int exit_code = exit_code_of(device); exit_code != exit_done) return exit_code;
   print_answers(points, answers, program.regions, options.json);

@@ -8,9 +8,9 @@
 #include <optional>
 
 #include "cli/commands.h"
-#include "cli/options.h"
 #include "cli/outputs.h"
-#include "runtime/view.h"
+#include "cli/view_options.h"
+#include "voml/files.h"
 
 namespace dmvv::cli {
 namespace {
@@ -19,15 +19,9 @@ struct RenderOptions {
   SceneOptions scene;
   DeviceChoice device;
   CodegenChoice codegen;
+  ViewOptions view;
   double time_ms = 0;
   std::string picture;
-  std::string size = "1280x720";
-  std::string camera;
-  std::string mesh;
-  std::vector<std::string> cuts;
-  std::string slice;
-  std::string shading = "lit";
-  std::uint32_t samples = 1;
   std::vector<std::string> aovs;
 };
 
@@ -56,21 +50,6 @@ AovPaths parse_aovs(const std::vector<std::string>& words) {
     }
   }
   return paths;
-}
-
-/// What the texts of the options say; the camera waits for the mesh it frames.
-runtime::View parse_view(const RenderOptions& options) {
-  runtime::View view;
-  view.size_px = must_parse("--size", runtime::parse_size(options.size));
-  if (!options.camera.empty()) view.camera = must_parse("--camera", runtime::parse_camera(options.camera));
-  for (const std::string& cut : options.cuts) view.cuts.push_back(must_parse("--cut", runtime::parse_plane(cut)));
-  if (!options.slice.empty()) view.slice = must_parse("--slice", runtime::parse_slice(options.slice));
-  if (options.shading != "none" && options.shading != "lit") {
-    fail_usage(fmt::format("--shading: unknown word '{}'", options.shading), {"use none or lit"});
-  }
-  view.shading = options.shading == "lit" ? runtime::Shading::lit : runtime::Shading::none;
-  view.samples = options.samples;
-  return view;
 }
 
 std::string legend_json(std::vector<compiler::RegionInfo> regions) {
@@ -113,21 +92,10 @@ void write(Outputs& outputs, const RenderOptions& options, const AovPaths& aovs,
   outputs.commit();
 }
 
-/// Mesh and camera of the view. The mesh must outlive the view.
-std::optional<voml::Mesh> place_camera(runtime::View& view, const RenderOptions& options, Context& context,
-                                       Diagnostics& diagnostics) {
-  std::optional<voml::Mesh> mesh;
-  if (!options.mesh.empty()) mesh = read_mesh(options.mesh, context, diagnostics);
-  if (options.camera.empty() && !view.slice) {
-    const voml::Bounds bounds = mesh ? voml::bounds(*mesh) : voml::Bounds{glm::dvec3(-1.0), glm::dvec3(1.0)};
-    view.camera = runtime::default_camera(bounds, view.size_px, view.cuts);
-  }
-  return mesh;
-}
-
 int render(const RenderOptions& options, Context& context) {
   // Everything that can be refused without the scene comes first.
-  runtime::View view = parse_view(options);
+  runtime::View view = parse_view(options.view);
+  view.time_ms = options.time_ms;
   const AovPaths aovs = parse_aovs(options.aovs);
   view.want_regions = !aovs.region.empty();
   view.want_depth = !aovs.depth.empty();
@@ -137,7 +105,7 @@ int render(const RenderOptions& options, Context& context) {
 
   Diagnostics diagnostics(options.scene.strict);
   voml::Scene scene = read_scene(options.scene, context, diagnostics);
-  const std::optional<voml::Mesh> mesh = place_camera(view, options, context, diagnostics);
+  const std::optional<voml::Mesh> mesh = place_camera(view, options.view, disk_files(), context, diagnostics);
   if (mesh) view.mesh = &*mesh;
   runtime::Device device = open_device(options.device, context);
   const compiler::Program program = compile(lower(std::move(scene), context, diagnostics), form,
@@ -147,10 +115,7 @@ int render(const RenderOptions& options, Context& context) {
   const runtime::Picture picture = must(evaluator.render(view, &timings));
   context.stopwatch.lap(timings, "other");
 
-  if (picture.open_edges != 0 && !context.quiet) {
-    print_warning(
-        fmt::format("'{}' has {} open edges: the caps of its cuts may leak", options.mesh, picture.open_edges));
-  }
+  warn_of_open_edges(picture.open_edges, options.view, context);
   if (const int exit_code = exit_code_of(device); exit_code != exit_done) return exit_code;
   write(outputs, options, aovs, picture, program.regions);
   context.stopwatch.lap("encode");
@@ -161,34 +126,6 @@ int render(const RenderOptions& options, Context& context) {
   return exit_done;
 }
 
-void add_view_options(CLI::App& command, RenderOptions& options) {
-  command.add_option("--size", options.size, "Width and height in pixels; default 1280x720")->type_name("WxH");
-  auto* camera = command
-                     .add_option("--camera", options.camera,
-                                 "\"eye X Y Z look X Y Z fov DEGREES\", \"up X Y Z\" optional; default: a camera that "
-                                 "frames the mesh")
-                     ->type_name("TEXT");
-  auto* mesh = command.add_option("--mesh", options.mesh, "Support mesh (OBJ, PLY, STL); default: the standard cube")
-                   ->type_name("FILE");
-  auto* cut = command.add_option("--cut", options.cuts, "\"NX NY NZ D\" takes away n.x > D (repeatable)")
-                  ->type_name("PLANE")
-                  ->allow_extra_args(false);
-  command.add_option("--slice", options.slice, "Draw the section of a plane instead: \"z=0\" or \"NX NY NZ D\"")
-      ->type_name("PLANE")
-      ->excludes(camera)
-      ->excludes(mesh)
-      ->excludes(cut);
-  command.add_option("--shading", options.shading, "none or lit (default; slices are never lit)")->type_name("WORD");
-  command.add_option("--samples", options.samples, "Samples along each axis of a pixel, 1 to 16; default 1")
-      ->type_name("N")
-      ->check(CLI::Range(1, 16));
-  command
-      .add_option("--aov", options.aovs,
-                  "More pictures: region=FILE (numbers, with a .json legend beside it), depth=FILE (.exr)")
-      ->type_name("KIND=FILE")
-      ->allow_extra_args(false);
-}
-
 }  // namespace
 
 void add_render(CLI::App& app, Invocation& invocation) {
@@ -196,7 +133,12 @@ void add_render(CLI::App& app, Invocation& invocation) {
   CLI::App& command = *app.add_subcommand("render", "Draw a picture of a scene");
   add_scene_options(command, options->scene);
   command.add_option("-o,--output", options->picture, "Picture: .png, .tif or .exr")->required()->type_name("PICTURE");
-  add_view_options(command, *options);
+  add_view_options(command, options->view);
+  command
+      .add_option("--aov", options->aovs,
+                  "More pictures: region=FILE (numbers, with a .json legend beside it), depth=FILE (.exr)")
+      ->type_name("KIND=FILE")
+      ->allow_extra_args(false);
   add_time_option(command, options->time_ms);
   add_codegen_options(command, options->codegen);
   add_device_options(command, options->device);

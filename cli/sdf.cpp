@@ -57,8 +57,8 @@ int sdf(const SdfOptions& options, Context& context) {
   const voml::Grid grid = must(authoring::distance_grid(mesh, grid_options, report, progress_line(context)));
   context.stopwatch.lap("distances");
   if (report.open_edges != 0 && !context.quiet) {
-    print_warning(fmt::format("'{}' is not closed: {} open edges; the sign near them is the winding number's guess",
-                              options.mesh, report.open_edges));
+    print_warning(fmt::format("'{}' is not closed: {}; the sign near them is the winding number's guess", options.mesh,
+                              plural(report.open_edges, "open edge")));
   }
 
   outputs.write_bytes(options.grid, voml::write_lxn(grid));

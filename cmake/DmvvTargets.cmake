@@ -2,6 +2,9 @@
 
 add_library(dmvv_warnings INTERFACE)
 target_compile_options(dmvv_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow $<$<BOOL:${DMVV_WERROR}>:-Werror>)
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  target_compile_options(dmvv_warnings INTERFACE -Wno-restrict)  # false alarms on std::string: GCC bug 105329
+endif()
 add_library(dmvv_sanitize INTERFACE)
 if(DMVV_SANITIZE)
   target_compile_options(dmvv_sanitize INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)

@@ -66,6 +66,7 @@ void count(Statistics& statistics, const Module& module) {
   statistics.sdfs = static_cast<std::uint32_t>(module.sdfs.size());
   statistics.nodes = static_cast<std::uint32_t>(module.nodes.size());
   statistics.regions = static_cast<std::uint32_t>(module.regions.size());
+  statistics.functions = static_cast<std::uint32_t>(module.functions.size());
   statistics.depth = module.depth;
   for (const Sdf& sdf : module.sdfs) {
     if (sdf.placement == voml::Placement::seeded) statistics.seeds += static_cast<std::uint32_t>(sdf.local_from_object.size());
@@ -89,12 +90,16 @@ const std::vector<PassInfo>& pass_names() {
   return passes;
 }
 
-bool can_evaluate(const Module& module, Diagnostics& diagnostics) {
-  for (const Sdf& sdf : module.sdfs) {
-    if (!std::holds_alternative<Id<voml::Function>>(sdf.source)) continue;
-    diagnostics.report(Code::function_not_supported, sdf.span,
-                       fmt::format("SDF '{}' is analytic; this version evaluates distance grids only", sdf.name));
+std::vector<float> time_values(std::span<const TimeFunction> functions, double time_ms) {
+  std::vector<float> values;
+  for (const TimeFunction& function : functions) {
+    const std::vector<float> own = function.snippet.time_values(time_ms);
+    values.insert(values.end(), own.begin(), own.end());
   }
+  return values;
+}
+
+bool can_evaluate(const Module& module, Diagnostics& diagnostics) {
   if (module.depth > max_depth) {
     diagnostics.report(Code::embedding_too_deep, {},
                        fmt::format("objects are embedded {} levels deep; the limit is {}", module.depth, max_depth));
@@ -128,9 +133,11 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   program.statistics.inlined_lines = evaluation.inlined_lines;
   program.statistics.object_codegen = std::move(evaluation.object_codegen);
   program.statistics.atlas_fill = grid_atlas->fill;
+  program.time_functions = std::move(evaluation.time_functions);
   if (evaluation.uses.grid_atlas) add_texture(program, std::move(*grid_atlas));
   if (evaluation.uses.bitmap_atlas) add_texture(program, std::move(*bitmap_atlas));
   add_buffers(program, records, evaluation.uses);
+  if (evaluation.uses.time) add_buffer(program, "time_values", DMVV_BIND_TIME, time_values(program.time_functions, 0.0));
   if (!check_buffers(program, options.max_storage_buffer, diagnostics)) return std::nullopt;
   program.records_text = to_text(records);
   return program;

@@ -29,7 +29,7 @@ struct PassInfo {
 const std::vector<PassInfo>& pass_names();
 
 /// Refuses what this version cannot evaluate, on the CPU or the GPU.
-/// Errors: E0301 an analytic SDF is reached; E0304 embedding deeper than 256 levels.
+/// Errors: E0304 embedding deeper than 256 levels.
 bool can_evaluate(const Module& module, Diagnostics& diagnostics);
 
 /// Runs the passes and generates records, textures and GLSL; no SPIR-V yet.

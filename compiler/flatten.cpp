@@ -45,11 +45,15 @@ class Flattening {
     const LocalBox box = local_box(sdf, module_);
     record.box_lo = vec(box.lo, sdf.iso);
     record.box_hi = vec(box.hi);
-    const auto grid = std::get<Id<voml::Grid>>(sdf.source);
-    const Affine atlas =
-        atlas_from_local(at(module_.grids, grid), grid_atlas_.slots[grid.index], grid_atlas_.texture.extent);
-    record.atlas_scale = vec({atlas.linear[0][0], atlas.linear[1][1], atlas.linear[2][2]});
-    record.atlas_offset = vec(atlas.translation);
+    if (const auto* grid = std::get_if<Id<voml::Grid>>(&sdf.source)) {
+      const Affine atlas =
+          atlas_from_local(at(module_.grids, *grid), grid_atlas_.slots[grid->index], grid_atlas_.texture.extent);
+      record.atlas_scale = vec({atlas.linear[0][0], atlas.linear[1][1], atlas.linear[2][2]});
+      record.atlas_offset = vec(atlas.translation);
+      record.function = DMVV_NO_FUNCTION;
+    } else {
+      record.function = std::get<Id<Function>>(sdf.source).index;
+    }
     record.kind = static_cast<std::uint32_t>(sdf.placement);
     record.first_placement = static_cast<std::uint32_t>(out_.placements.size());
     for (const Affine& affine : sdf.local_from_object) out_.placements.push_back({rows(affine), 0, 0, 0, 0});
@@ -192,7 +196,7 @@ std::string to_text(const Records& records) {
   }
   for (std::size_t i = 0; i < records.sdfs.size(); ++i) {
     const auto& s = records.sdfs[i];
-    line("sdf", i, fmt::format("kind {} first_placement {} box {} {} atlas {} {} {}", s.kind, s.first_placement,
+    line("sdf", i, fmt::format("kind {} function {} first_placement {} box {} {} atlas {} {} {}", s.kind, static_cast<std::int32_t>(s.function), s.first_placement,
                                text(s.box_lo), text(s.box_hi), text(s.atlas_scale), text(s.atlas_offset), text(s.lookup)));
   }
   for (std::size_t i = 0; i < records.regions.size(); ++i) {

@@ -7,6 +7,7 @@
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 #include <limits>
+#include <numeric>
 #include <set>
 
 #include "compiler/shader_text.h"
@@ -80,10 +81,12 @@ class Generator {
       : module_(module), records_(records), grid_atlas_(grid_atlas), options_(options) {}
 
   Evaluation run() {
+    emit_functions();
     collect_objects();
     choose_cuts();
     const bool any_cut = std::find(cut_.begin(), cut_.end(), true) != cut_.end();
     out_.uses.walker = any_cut;
+    if (any_cut) emit_function_switch();
     // Objects stand parents first; GLSL wants callees first.
     for (std::size_t i = module_.objects.size(); i-- > 0;) {
       if (needed_[i] && !cut_[i]) emit_object(Id<Object>{static_cast<std::uint32_t>(i)});
@@ -135,6 +138,35 @@ class Generator {
     line("}");
   }
 
+  // ---- snippets ----
+
+  std::string function_name(Id<Function> id) const { return fmt::format("function_{}", id.index); }
+
+  void emit_functions() {
+    std::size_t next_time_value = 0;
+    for (std::uint32_t i = 0; i < module_.functions.size(); ++i) {
+      const Function& function = module_.functions[i];
+      const std::string text = function.snippet.glsl(function_name({i}), next_time_value);
+      function_lines_.push_back(static_cast<std::uint32_t>(std::count(text.begin(), text.end(), '\n')));
+      out_.functions += fmt::format("// {}\n{}\n", function.name, text);
+      const std::size_t values = function.snippet.time_value_count();
+      if (values == 0) continue;
+      out_.time_functions.push_back({function.snippet, next_time_value});
+      next_time_value += values;
+    }
+    out_.uses.time = next_time_value != 0;
+  }
+
+  /// The thesis' stitching: one switch that the walker calls with the number of a snippet.
+  void emit_function_switch() {
+    if (module_.functions.empty()) return;
+    out_.functions += "float call_function(uint function, vec3 q) {\n  switch (function) {\n";
+    for (std::uint32_t i = 0; i < module_.functions.size(); ++i) {
+      out_.functions += fmt::format("    case {}u: return {}(q);\n", i, function_name({i}));
+    }
+    out_.functions += "  }\n  return 0.0;\n}\n\n";
+  }
+
   // ---- what an object consists of ----
 
   struct ObjectParts {
@@ -142,6 +174,7 @@ class Generator {
     std::vector<Id<Region>> regions;  ///< different ones, in the order of the tree
     std::uint32_t decisions = 0;      ///< of the tree written out, shared subtrees repeated
     std::uint32_t seeded = 0;         ///< of these
+    std::uint32_t snippet_lines = 0;  ///< of the analytic ones
     std::uint32_t depth = 0;
   };
 
@@ -175,11 +208,17 @@ class Generator {
       const auto& decision = std::get<Decision>(at(module_.nodes, node).content);
       ++parts.decisions;
       if (at(module_.sdfs, decision.sdf).placement == voml::Placement::seeded) ++parts.seeded;
+      parts.snippet_lines = saturating_add(parts.snippet_lines, snippet_lines(decision.sdf));
       if (sdfs.insert(decision.sdf).second) parts.sdfs.push_back(decision.sdf);
       pending.push_back({decision.negative, depth + 1});
       pending.push_back({decision.positive, depth + 1});
     }
     return parts;
+  }
+
+  std::uint32_t snippet_lines(Id<Sdf> sdf) const {
+    const auto* function = std::get_if<Id<Function>>(&at(module_.sdfs, sdf).source);
+    return function ? function_lines_[function->index] : 0;
   }
 
   static std::vector<Id<Object>> called_objects(const CandidateGroup& group) {
@@ -194,7 +233,7 @@ class Generator {
 
   std::uint32_t own_lines(std::size_t object) const {
     const ObjectParts& parts = parts_[object];
-    std::uint64_t lines = 4;
+    std::uint64_t lines = 4 + std::uint64_t{parts.snippet_lines};
     lines += std::uint64_t{parts.decisions - parts.seeded} * lines_of_decision;
     lines += std::uint64_t{parts.seeded} * lines_of_seeded_decision;
     for (const Id<Region> region : parts.regions) lines += at(module_.regions, region).groups.size() * lines_of_group;
@@ -204,9 +243,11 @@ class Generator {
   /// Lines of each object with everything that it calls inlined, given the cuts.
   std::vector<std::uint32_t> all_inlined_lines(const std::vector<bool>& cut) const {
     std::vector<std::uint32_t> lines(module_.objects.size());
+    const std::uint32_t walker_lines = saturating_add(
+        lines_of_walker, std::accumulate(function_lines_.begin(), function_lines_.end(), std::uint64_t{0}));
     for (std::size_t i = module_.objects.size(); i-- > 0;) {
       if (cut[i]) {
-        lines[i] = lines_of_walker;
+        lines[i] = walker_lines;
         continue;
       }
       lines[i] = own_lines(i);
@@ -217,7 +258,7 @@ class Generator {
             if (!cut[child.index]) lines[i] = saturating_add(lines[i], lines[child.index]);
             walks = walks || cut[child.index];
           }
-          if (walks) lines[i] = saturating_add(lines[i], lines_of_walker);
+          if (walks) lines[i] = saturating_add(lines[i], walker_lines);
         }
       }
     }
@@ -286,8 +327,12 @@ class Generator {
 
   std::string sdf_name(Id<Sdf> id) const { return fmt::format("negative_{}", id.index); }
 
-  /// `f(q) <= iso` for the local point that `affine` makes of p, as one expression.
-  std::string grid_test(const Sdf& sdf, const Affine* constant, const std::string& q) {
+  /// `f(local) <= iso` as one expression, the local point being q, or constant(q) if that is given.
+  std::string source_test(const Sdf& sdf, const Affine* constant, const std::string& q) {
+    if (const auto* function = std::get_if<Id<Function>>(&sdf.source)) {
+      const std::string local = constant ? affine_expression(*constant, q, options_.fold_affine) : q;
+      return fmt::format("{}({}) <= {}", function_name(*function), local, glsl_float(static_cast<float>(sdf.iso)));
+    }
     const auto grid_id = std::get<Id<voml::Grid>>(sdf.source);
     const voml::Grid& grid = at(module_.grids, grid_id);
     out_.uses.grid_atlas = true;
@@ -320,16 +365,16 @@ class Generator {
     const Affine& affine = sdf.local_from_object.front();
     const LocalBox box = local_box(sdf, module_);
     if (options_.box_tests && cube_maps_into(affine, box)) {
-      line("return {};", grid_test(sdf, &affine, "p"));
+      line("return {};", source_test(sdf, &affine, "p"));
       return;
     }
     line("vec3 q = {};", affine_expression(affine, "p", options_.fold_affine));
-    line("return {} && {};", box_test(box, "q"), grid_test(sdf, nullptr, "q"));
+    line("return {} && {};", box_test(box, "q"), source_test(sdf, nullptr, "q"));
   }
 
   void emit_tiled(const Sdf& sdf) {
     line("vec3 q = wrap_cube({});", affine_expression(sdf.local_from_object.front(), "p", options_.fold_affine));
-    line("return {} && {};", box_test(local_box(sdf, module_), "q"), grid_test(sdf, nullptr, "q"));
+    line("return {} && {};", box_test(local_box(sdf, module_), "q"), source_test(sdf, nullptr, "q"));
   }
 
   std::string find_cell(const gpu::LookupRecord& lookup, const std::string& p) {
@@ -347,7 +392,7 @@ class Generator {
     line("bool negative = false;");
     open("for (; i < range.y && !negative; ++i)");
     line("vec3 q = apply(placements[{} + lists[i]].local_from_object, p);", fmt::format("{}u", record.first_placement));
-    line("negative = {} && {};", box_test(local_box(sdf, module_), "q"), grid_test(sdf, nullptr, "q"));
+    line("negative = {} && {};", box_test(local_box(sdf, module_), "q"), source_test(sdf, nullptr, "q"));
     close();
     line("hit_unfinished = hit_unfinished || (!negative && i < range.y);");
     line("return negative;");
@@ -565,6 +610,7 @@ class Generator {
   Evaluation out_;
   std::string body_;
   std::size_t indent_ = 0;
+  std::vector<std::uint32_t> function_lines_;                // of each function
   std::vector<ObjectParts> parts_;                           // of each object
   std::vector<std::vector<std::vector<Id<Object>>>> calls_;  // of each region and group: the different objects
   std::vector<bool> cut_;
@@ -591,6 +637,7 @@ std::string bindings(const Uses& uses) {
     buffer("DMVV_BIND_GROUPS", "Groups", "GroupRecord", "groups");
     buffer("DMVV_BIND_OBJECTS", "Objects", "uint", "objects");
   }
+  if (uses.time) buffer("DMVV_BIND_TIME", "TimeValues", "float", "time_values");
   if (uses.walker || uses.region_colors) buffer("DMVV_BIND_REGIONS", "Regions", "RegionRecord", "regions");
   return text;
 }
@@ -609,9 +656,11 @@ std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Ker
   if (kernel == Kernel::points) text += "#define DMVV_PATHS\n";
   if (uses.lists) text += "#define DMVV_LISTS\n";
   if (uses.grid_atlas) text += "#define DMVV_GRIDS\n";
+  if (!evaluation.functions.empty()) text += "#define DMVV_FUNCTIONS\n";
   text += shader_text::records;
   text += bindings(uses);
   text += shader_text::evaluate;
+  text += evaluation.functions;
   if (uses.walker) text += shader_text::walk;
   text += "\n// ---- the scene ----\n";
   text += evaluation.glsl;

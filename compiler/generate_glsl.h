@@ -16,6 +16,7 @@ struct Uses {
   bool walker = false;      ///< nodes, sdfs, regions, groups, objects
   bool placements = false;
   bool lists = false;       ///< cells and lists
+  bool time = false;        ///< what depends on time alone
   bool region_colors = false;  ///< regions, for their colours
 };
 
@@ -28,7 +29,9 @@ struct GlslOptions {
 
 /// The evaluation of a module: `void evaluate(vec3 p)` and `vec4 color_of(uint region, vec3 p)` with what they call.
 struct Evaluation {
+  std::string functions;  ///< the snippets, and `float call_function(uint function, vec3 q)` if the walker is in use
   std::string glsl;
+  std::vector<TimeFunction> time_functions;
   Uses uses;
   std::uint32_t inlined_lines = 0;
   std::vector<std::string> object_codegen;  ///< a line an object: which form it got, and why

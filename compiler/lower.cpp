@@ -41,6 +41,7 @@ class Lowering {
   std::optional<Module> run() {
     if (!order_objects()) return std::nullopt;
     for (const Id<voml::Object> id : parents_first_) lower_object(id);
+    if (diagnostics_.has_errors()) return std::nullopt;
     module_.root = objects_[scene_.root];
     number_regions();
     module_.depth = longest_chain();
@@ -173,6 +174,14 @@ class Lowering {
     return result;
   }
 
+  /// A function that does not compile leaves an invalid id; the errors that it reported end the lowering.
+  Id<Function> lower_function(Id<voml::Function> id, const std::string& name) {
+    if (functions_.known(id)) return functions_[id];
+    auto snippet = snippet::compile_snippet(at(scene_.functions, id), diagnostics_);
+    if (!snippet) return {};
+    return functions_[id] = append(module_.functions, Function{name, std::move(*snippet)});
+  }
+
   Id<Sdf> lower_sdf(Id<voml::Sdf> id) {
     if (sdfs_.known(id)) return sdfs_[id];
     const voml::Sdf& from = at(scene_.sdfs, id);
@@ -182,7 +191,7 @@ class Lowering {
     if (const auto* grid = std::get_if<Id<voml::Grid>>(&from.source)) {
       sdf.source = move_once(grids_, scene_.grids, module_.grids, *grid);
     } else {
-      sdf.source = move_once(functions_, scene_.functions, module_.functions, std::get<Id<voml::Function>>(from.source));
+      sdf.source = lower_function(std::get<Id<voml::Function>>(from.source), from.name);
     }
     sdf.placement = from.placement;
     sdf.local_from_object = placements(from.placement, from.transform, from.seeds);
@@ -267,7 +276,7 @@ class Lowering {
   Renumber<voml::Node, Node> nodes_;
   Renumber<voml::Grid> grids_;
   Renumber<voml::Bitmap> bitmaps_;
-  Renumber<voml::Function> functions_;
+  Renumber<voml::Function, Function> functions_;
 };
 
 }  // namespace

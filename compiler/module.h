@@ -10,11 +10,18 @@
 #include <vector>
 
 #include "compiler/affine.h"
+#include "compiler/snippet/snippet.h"
 #include "voml/grid.h"
 #include "voml/id.h"
 #include "voml/scene.h"
 
 namespace dmvv::compiler {
+
+/// An analytic distance function, understood.
+struct Function {
+  std::string name;  ///< of the first SDF that uses it
+  snippet::Snippet snippet;
+};
 
 /// A signed distance source with its placements.
 ///
@@ -23,7 +30,7 @@ namespace dmvv::compiler {
 struct Sdf {
   std::string name;
   Span span;
-  std::variant<Id<voml::Grid>, Id<voml::Function>> source;
+  std::variant<Id<voml::Grid>, Id<Function>> source;
   voml::Placement placement = voml::Placement::single;
   std::vector<Affine> local_from_object;  ///< one, or one a seed in file order
   glm::uvec3 index_size{0};               ///< the author's wish; 0: the compiler chooses
@@ -84,12 +91,12 @@ struct Module {
   std::vector<Node> nodes;
   std::vector<voml::Grid> grids;
   std::vector<voml::Bitmap> bitmaps;
-  std::vector<voml::Function> functions;
+  std::vector<Function> functions;
   std::uint32_t depth = 1;  ///< objects on the longest chain of embeddings, the root counted
 };
 
 /// Scene -> Module: composes matrices, drops what the root does not reach, orders objects, refuses cycles.
-/// Errors: E0110 embedding cycle (prints it).
+/// Errors: E0110 embedding cycle (prints it); E04xx of the snippets that the root reaches.
 /// Cost: linear; the assets are moved, not copied.
 std::optional<Module> lower(voml::Scene scene, Diagnostics& diagnostics);
 

@@ -24,7 +24,7 @@ const char* text(voml::Placement placement) {
 
 std::string source_text(const Sdf& sdf) {
   if (const auto* grid = std::get_if<Id<voml::Grid>>(&sdf.source)) return fmt::format("grid {}", grid->index);
-  return fmt::format("function {}", std::get<Id<voml::Function>>(sdf.source).index);
+  return fmt::format("function {}", std::get<Id<Function>>(sdf.source).index);
 }
 
 std::string node_text(const Node& node) {
@@ -76,6 +76,11 @@ std::string to_text(const Module& module) {
   }
   for (std::size_t i = 0; i < module.bitmaps.size(); ++i) {
     out += fmt::format("bitmap {} '{}' n {}\n", i, module.bitmaps[i].path, module.bitmaps[i].n);
+  }
+  for (std::size_t i = 0; i < module.functions.size(); ++i) {
+    const Function& function = module.functions[i];
+    out += fmt::format("function {} '{}' {} instructions, {}\n", i, function.name, function.snippet.instruction_count(),
+                       function.snippet.uses_time() ? "animated" : "static");
   }
   return out;
 }

@@ -59,7 +59,7 @@ std::vector<Id<T>> compact(std::vector<T>& elements, const std::vector<bool>& ke
     if (next != i) elements[next] = std::move(elements[i]);
     ++next;
   }
-  elements.resize(next);
+  elements.erase(elements.begin() + next, elements.end());
   return to;
 }
 
@@ -74,7 +74,7 @@ void reach_sdf(const Module& module, Id<Sdf> id, Reached& reached) {
   reached.sdfs[id.index] = true;
   const auto& source = at(module.sdfs, id).source;
   if (const auto* grid = std::get_if<Id<voml::Grid>>(&source)) reached.grids[grid->index] = true;
-  if (const auto* function = std::get_if<Id<voml::Function>>(&source)) reached.functions[function->index] = true;
+  if (const auto* function = std::get_if<Id<Function>>(&source)) reached.functions[function->index] = true;
 }
 
 void reach_region(const Module& module, Id<Region> id, Reached& reached) {
@@ -115,6 +115,33 @@ Reached reach(const Module& module) {
   return reached;
 }
 
+/// Removes grids, bitmaps and functions that nothing refers to any more.
+void drop_unused_assets(Module& module) {
+  const Reached reached = reach(module);
+  const auto grids = compact(module.grids, reached.grids);
+  const auto bitmaps = compact(module.bitmaps, reached.bitmaps);
+  const auto functions = compact(module.functions, reached.functions);
+  for (Sdf& sdf : module.sdfs) {
+    if (auto* grid = std::get_if<Id<voml::Grid>>(&sdf.source)) *grid = grids[grid->index];
+    if (auto* function = std::get_if<Id<Function>>(&sdf.source)) *function = functions[function->index];
+  }
+  for (Region& region : module.regions) {
+    if (region.kind == voml::RegionKind::bitmap) region.bitmap = bitmaps[region.bitmap.index];
+  }
+}
+
+/// Snippets are equal if the programs that they were understood as are written out alike.
+void merge_functions(Module& module) {
+  std::map<std::string, Id<Function>> by_text;
+  std::vector<Id<Function>> first(module.functions.size());
+  for (std::uint32_t i = 0; i < first.size(); ++i) {
+    first[i] = by_text.try_emplace(module.functions[i].snippet.glsl("f", 0), Id<Function>{i}).first->second;
+  }
+  for (Sdf& sdf : module.sdfs) {
+    if (auto* function = std::get_if<Id<Function>>(&sdf.source)) *function = first[function->index];
+  }
+}
+
 }  // namespace
 
 void merge_assets(Module& module) {
@@ -126,15 +153,8 @@ void merge_assets(Module& module) {
   for (Region& region : module.regions) {
     if (region.kind == voml::RegionKind::bitmap) region.bitmap = bitmaps[region.bitmap.index];
   }
-  Reached reached = reach(module);
-  const auto grid_to = compact(module.grids, reached.grids);
-  const auto bitmap_to = compact(module.bitmaps, reached.bitmaps);
-  for (Sdf& sdf : module.sdfs) {
-    if (auto* grid = std::get_if<Id<voml::Grid>>(&sdf.source)) *grid = grid_to[grid->index];
-  }
-  for (Region& region : module.regions) {
-    if (region.kind == voml::RegionKind::bitmap) region.bitmap = bitmap_to[region.bitmap.index];
-  }
+  merge_functions(module);
+  drop_unused_assets(module);
 }
 
 void prune_sides(Module& module) {
@@ -173,9 +193,6 @@ void drop_unreachable(Module& module) {
   const auto nodes = compact(module.nodes, reached.nodes);
   const auto sdfs = compact(module.sdfs, reached.sdfs);
   const auto regions = compact(module.regions, reached.regions);
-  const auto grids = compact(module.grids, reached.grids);
-  const auto bitmaps = compact(module.bitmaps, reached.bitmaps);
-  const auto functions = compact(module.functions, reached.functions);
   module.root = objects[module.root.index];
   for (Object& object : module.objects) object.root = nodes[object.root.index];
   for (Node& node : module.nodes) {
@@ -186,17 +203,13 @@ void drop_unreachable(Module& module) {
       decision = {sdfs[decision.sdf.index], nodes[decision.positive.index], nodes[decision.negative.index]};
     }
   }
-  for (Sdf& sdf : module.sdfs) {
-    if (auto* grid = std::get_if<Id<voml::Grid>>(&sdf.source)) *grid = grids[grid->index];
-    if (auto* function = std::get_if<Id<voml::Function>>(&sdf.source)) *function = functions[function->index];
-  }
   for (Region& region : module.regions) {
     region.object = objects[region.object.index];
-    if (region.bitmap.valid()) region.bitmap = bitmaps[region.bitmap.index];
     for (CandidateGroup& group : region.groups) {
       for (Candidate& candidate : group.candidates) candidate.object = objects[candidate.object.index];
     }
   }
+  drop_unused_assets(module);
 }
 
 }  // namespace dmvv::compiler

@@ -5,8 +5,11 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <span>
 #include <string>
 #include <vector>
+
+#include "compiler/snippet/snippet.h"
 
 namespace dmvv::compiler {
 
@@ -71,7 +74,7 @@ std::string format_path(const std::vector<RegionInfo>& regions, const std::vecto
 
 /// What compiling did and what the shader is expected to cost; printed by `--dump stats`.
 struct Statistics {
-  std::uint32_t objects = 0, sdfs = 0, nodes = 0, regions = 0, candidates = 0, seeds = 0;
+  std::uint32_t objects = 0, functions = 0, sdfs = 0, nodes = 0, regions = 0, candidates = 0, seeds = 0;
   std::uint32_t depth = 0;
   std::uint64_t buffer_bytes = 0, texture_bytes = 0;
   double atlas_fill = 0.0;  ///< share of the grid atlas that holds samples or borders
@@ -79,6 +82,16 @@ struct Statistics {
   std::uint32_t inlined_lines = 0;  ///< estimate of the kernel after inlining
   std::vector<std::string> object_codegen;  ///< "ORANGE: specialised", ... with the reason where it was cut
 };
+
+/// A snippet's share of the buffer `time_values`: values [first, first + snippet.time_value_count()).
+struct TimeFunction {
+  snippet::Snippet snippet;
+  std::size_t first;
+};
+
+/// The contents of the buffer at binding DMVV_BIND_TIME for a frame: whatever depends on time alone, computed in double
+/// and rounded once (spec/time.md). Empty in a static scene. Cost: the time part of each snippet, once a frame.
+std::vector<float> time_values(std::span<const TimeFunction> functions, double time_ms);
 
 struct Program {
   Codegen codegen = Codegen::specialised;
@@ -88,6 +101,7 @@ struct Program {
   std::vector<std::uint32_t> spirv[kernel_count];  ///< empty for a kernel that was not asked for
   std::vector<RegionInfo> regions;                 ///< every region of the module, in its order
   std::uint32_t depth = 1;                         ///< most steps a path can have
+  std::vector<TimeFunction> time_functions;        ///< empty in a static scene: then there is no time in its shader
   Statistics statistics;
   std::string records_text;  ///< all records as text, for `--dump records`
 

@@ -145,38 +145,55 @@ struct Reference::Impl {
   }
 
   /// f(q) <= iso at a local point inside its box.
-  Tested below_iso(const Sdf& sdf, const Approximate& q) const {
-    const auto id = std::get<Id<voml::Grid>>(sdf.source);
+  Tested below_iso(const Sdf& sdf, const Approximate& q, double time_ms) const {
+    if (const auto* id = std::get_if<Id<Function>>(&sdf.source)) {
+      return function_below(at(module.functions, *id).snippet, q, sdf.iso, time_ms);
+    }
+    return grid_below(std::get<Id<voml::Grid>>(sdf.source), q, sdf.iso);
+  }
+
+  Tested grid_below(Id<voml::Grid> id, const Approximate& q, double iso) const {
     const voml::Grid& grid = at(module.grids, id);
     const double value = sample(grid, q.p);
     const glm::dvec3 texels_per_unit = glm::dvec3(grid.size) / (grid.box_hi - grid.box_lo);
     // The atlas coordinate takes a product and a sum, the sampler scales it up and subtracts a half.
     const glm::dvec3 texel_error = q.error * texels_per_unit + 6.0 * float_unit * atlas_texels;
     const GridBounds& bounds = grid_bounds[id.index];
-    const double error = glm::dot(texel_error, bounds.slope) +
-                         8.0 * float_unit * (bounds.magnitude + std::abs(sdf.iso)) + 1e-30;
-    return {value <= sdf.iso, std::abs(value - sdf.iso) > error};
+    const double error =
+        glm::dot(texel_error, bounds.slope) + 8.0 * float_unit * (bounds.magnitude + std::abs(iso)) + 1e-30;
+    return {value <= iso, std::abs(value - iso) > error};
+  }
+
+  /// Certain if an interval that encloses every float32 evaluation near q lies on one side of iso.
+  static Tested function_below(const snippet::Snippet& f, const Approximate& q, double iso, double time_ms) {
+    const snippet::Value value = f.evaluate(q.p, time_ms);
+    const bool below = value.finished && value.f <= iso;
+    const snippet::Interval bounds =
+        f.evaluate({q.p - q.error, q.p + q.error}, {time_ms, time_ms}, snippet::Rounding::float32);
+    const double slack = float_unit * std::abs(iso);
+    const bool one_side = below ? bounds.hi <= iso - slack : bounds.lo > iso + slack;
+    return {below, value.finished && !bounds.maybe_nan && one_side};
   }
 
   /// Below iso at one placement: its box holds the point, and the source is negative there.
-  Tested placed_negative(std::size_t sdf_index, const Affine& affine, const Approximate& p) const {
+  Tested placed_negative(std::size_t sdf_index, const Affine& affine, const Approximate& p, double time_ms) const {
     const Sdf& sdf = module.sdfs[sdf_index];
     Approximate q = apply(affine, p);
     bool certain = true;
     if (sdf.placement == voml::Placement::tiled) certain = wrap(q).certain;
     const Tested held = in_box(q, boxes[sdf_index].lo, boxes[sdf_index].hi);
     if (!held.yes && held.certain) return {false, certain};
-    const Tested below = below_iso(sdf, q);
+    const Tested below = below_iso(sdf, q, time_ms);
     if (!held.yes) return {false, certain && below.certain && !below.yes};
     // A point in the box by a hair is certain all the same if the source is surely positive.
     return {below.yes, certain && below.certain && (held.certain || !below.yes)};
   }
 
-  Tested negative(Id<Sdf> id, const Approximate& p) const {
+  Tested negative(Id<Sdf> id, const Approximate& p, double time_ms) const {
     const Sdf& sdf = at(module.sdfs, id);
     bool any = false, any_certain = false, all_certain = true;
     for_each(seeds[id.index], sdf.local_from_object.size(), p.p, [&](std::uint32_t i) {
-      const Tested placed = placed_negative(id.index, sdf.local_from_object[i], p);
+      const Tested placed = placed_negative(id.index, sdf.local_from_object[i], p, time_ms);
       any = any || placed.yes;
       any_certain = any_certain || (placed.yes && placed.certain);
       all_certain = all_certain && placed.certain;
@@ -185,10 +202,10 @@ struct Reference::Impl {
     return {any, any_certain || all_certain};
   }
 
-  Id<Region> region_at(Id<Object> object, const Approximate& p, bool& certain) const {
+  Id<Region> region_at(Id<Object> object, const Approximate& p, double time_ms, bool& certain) const {
     Id<Node> node = at(module.objects, object).root;
     while (const auto* decision = std::get_if<Decision>(&at(module.nodes, node).content)) {
-      const Tested side = negative(decision->sdf, p);
+      const Tested side = negative(decision->sdf, p, time_ms);
       certain = certain && side.certain;
       node = side.yes ? decision->negative : decision->positive;
     }
@@ -196,12 +213,12 @@ struct Reference::Impl {
   }
 
   /// Evaluates an object at a point of its cube. True if it is not empty there; then `out` has the answer.
-  bool evaluate(Id<Object> object, const Approximate& p, ReferenceAnswer& out) const {
-    const Id<Region> id = region_at(object, p, out.certain);
+  bool evaluate(Id<Object> object, const Approximate& p, double time_ms, ReferenceAnswer& out) const {
+    const Id<Region> id = region_at(object, p, time_ms, out.certain);
     const Region& region = at(module.regions, id);
     out.path.push_back({id.index, 0});
     for (std::size_t g = 0; g < region.groups.size(); ++g) {
-      if (ask_group(region.groups[g], groups[id.index][g], p, out)) return true;
+      if (ask_group(region.groups[g], groups[id.index][g], p, time_ms, out)) return true;
     }
     if (region.number != 0) {
       out.path.back().candidate = 0;
@@ -214,7 +231,7 @@ struct Reference::Impl {
   }
 
   bool ask_group(const CandidateGroup& group, const std::optional<Lookup>& lookup, const Approximate& p,
-                 ReferenceAnswer& out) const {
+                 double time_ms, ReferenceAnswer& out) const {
     Approximate in_frame = p;
     if (group.box_from_object) {
       in_frame = apply(*group.box_from_object, p);
@@ -226,21 +243,21 @@ struct Reference::Impl {
     bool found = false;
     for_each(lookup, group.candidates.size(), in_frame.p, [&](std::uint32_t i) {
       out.path[level].candidate = group.first_number + i;
-      found = ask(group.candidates[i], p, out);
+      found = ask(group.candidates[i], p, time_ms, out);
       return !found;
     });
     return found;
   }
 
-  bool ask(const Candidate& candidate, const Approximate& p, ReferenceAnswer& out) const {
+  bool ask(const Candidate& candidate, const Approximate& p, double time_ms, ReferenceAnswer& out) const {
     Approximate q = apply(candidate.local_from_parent, p);
     if (candidate.tiled) {
       out.certain = wrap(q).certain && out.certain;
-      return evaluate(candidate.object, q, out);
+      return evaluate(candidate.object, q, time_ms, out);
     }
     const Tested held = in_cube(q);
     out.certain = out.certain && held.certain;
-    return held.yes && evaluate(candidate.object, q, out);
+    return held.yes && evaluate(candidate.object, q, time_ms, out);
   }
 
   glm::dvec4 color(const Region& region, const glm::dvec3& p) const {
@@ -273,12 +290,12 @@ Reference::Reference(const Module& module, Options options) : impl_(std::make_un
 Reference::Reference(Reference&&) noexcept = default;
 Reference::~Reference() = default;
 
-ReferenceAnswer Reference::evaluate(const glm::dvec3& p) const {
+ReferenceAnswer Reference::evaluate(const glm::dvec3& p, double time_ms) const {
   ReferenceAnswer answer;
   const Approximate root{p, float_unit * glm::abs(p)};
   const Tested held = in_cube(root);
   answer.certain = held.certain;
-  if (held.yes) impl_->evaluate(impl_->module.root, root, answer);
+  if (held.yes) impl_->evaluate(impl_->module.root, root, time_ms, answer);
   return answer;
 }
 

@@ -28,8 +28,8 @@ class Reference {
   Reference(Reference&&) noexcept;
   ~Reference();
 
-  /// The scene at `p`, root coordinates. Allocation-free but for the path.
-  ReferenceAnswer evaluate(const glm::dvec3& p) const;
+  /// The scene at `p`, root coordinates, at a time since the animation's start. Allocation-free but for the path.
+  ReferenceAnswer evaluate(const glm::dvec3& p, double time_ms = 0.0) const;
 
  private:
   struct Impl;

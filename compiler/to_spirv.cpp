@@ -1,20 +1,15 @@
-// The only user of glslang and of the SPIR-V validator.
+// The kernels through glslang and the SPIR-V validator.
 #include <glslang/SPIRV/GlslangToSpv.h>
 #include <glslang/Public/ResourceLimits.h>
 #include <glslang/Public/ShaderLang.h>
 #include <spirv-tools/libspirv.hpp>
 
 #include "compiler/compile.h"
+#include "compiler/glslang_process.h"
 
 namespace dmvv::compiler {
 
 namespace {
-
-/// glslang wants one process-wide initialisation; it is counted, so a static pair is enough.
-struct GlslangProcess {
-  GlslangProcess() { glslang::InitializeProcess(); }
-  ~GlslangProcess() { glslang::FinalizeProcess(); }
-};
 
 tl::unexpected<Error> generator_bug(const char* stage, const std::string& log, const std::string& glsl) {
   return fail(Fault::environment, std::string("a generated shader was refused by ") + stage + "; this is a bug of dmvv",
@@ -34,7 +29,7 @@ std::string validate(const std::vector<std::uint32_t>& spirv) {
 }  // namespace
 
 Result<void> to_spirv(Program& program, Kernel kernel) {
-  static const GlslangProcess process;
+  use_glslang();
   const std::string& glsl = program.glsl[static_cast<std::size_t>(kernel)];
   const char* text = glsl.c_str();
 

@@ -140,7 +140,7 @@ GpuBuffer upload_buffer(const Device::Impl& gpu, const void* bytes, std::size_t 
 }
 
 Evaluator::Impl::Impl(const Device::Impl& device, const compiler::Program& program)
-    : gpu(device), depth(program.depth) {
+    : gpu(device), depth(program.depth), time_functions(program.time_functions) {
   for (std::size_t i = 0; i < code.size(); ++i) code[i] = program.spirv[i];
   upload(program);
   bind_scene(program);
@@ -148,6 +148,11 @@ Evaluator::Impl::Impl(const Device::Impl& device, const compiler::Program& progr
 
 void Evaluator::Impl::upload(const compiler::Program& program) {
   for (const compiler::Buffer& buffer : program.buffers) {
+    if (buffer.binding == DMVV_BIND_TIME) {
+      time_buffer = buffers.size();
+      buffers.push_back(gpu.make_buffer(buffer.bytes.size(), vk::BufferUsageFlagBits::eStorageBuffer, MemoryUse::upload));
+      continue;
+    }
     buffers.push_back(
         upload_buffer(gpu, buffer.bytes.data(), buffer.bytes.size(), vk::BufferUsageFlagBits::eStorageBuffer));
   }
@@ -158,6 +163,13 @@ void Evaluator::Impl::upload(const compiler::Program& program) {
                                       .addressModeU = Mode::eClampToEdge,
                                       .addressModeV = Mode::eClampToEdge,
                                       .addressModeW = Mode::eClampToEdge});
+}
+
+/// Every submission is waited for, so nothing reads the values while they change.
+void Evaluator::Impl::set_time(double time_ms) {
+  if (!time_buffer) return;
+  const std::vector<float> values = compiler::time_values(time_functions, time_ms);
+  std::memcpy(buffers[*time_buffer].mapped, values.data(), values.size() * sizeof(float));
 }
 
 void Evaluator::Impl::bind_scene(const compiler::Program& program) {
@@ -237,7 +249,9 @@ Result<KernelPipeline> Evaluator::Impl::make_kernel(Kernel kernel, std::span<con
   return made;
 }
 
-Result<std::vector<PointAnswer>> Evaluator::Impl::probe(std::span<const glm::dvec3> positions, Timings* timings) {
+Result<std::vector<PointAnswer>> Evaluator::Impl::probe(std::span<const glm::dvec3> positions, double time_ms,
+                                                                Timings* timings) {
+  set_time(time_ms);
   // ---- buffers for one batch; both are read and written in place ----
   constexpr std::size_t answer_budget = std::size_t{32} << 20;
   constexpr std::size_t largest_batch = std::size_t{1} << 18;
@@ -327,8 +341,8 @@ Result<Evaluator> Evaluator::create(Device& device, const compiler::Program& pro
   });
 }
 
-Result<std::vector<PointAnswer>> Evaluator::probe(std::span<const glm::dvec3> points, Timings* timings) {
-  return guarded("evaluating points", [&] { return impl_->probe(points, timings); });
+Result<std::vector<PointAnswer>> Evaluator::probe(std::span<const glm::dvec3> points, double time_ms, Timings* timings) {
+  return guarded("evaluating points", [&] { return impl_->probe(points, time_ms, timings); });
 }
 
 Result<Picture> Evaluator::render(const View& view, Timings* timings) {

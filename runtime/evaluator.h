@@ -31,6 +31,9 @@ struct Evaluator::Impl {
   std::array<std::vector<std::uint32_t>, compiler::kernel_count> code;
   std::uint32_t depth;
 
+  std::vector<compiler::TimeFunction> time_functions;
+  std::optional<std::size_t> time_buffer;  ///< index into buffers: mapped, written before each evaluation
+
   std::vector<GpuBuffer> buffers;
   std::vector<GpuImage> textures;
   vk::raii::Sampler sampler{nullptr};
@@ -51,10 +54,11 @@ struct Evaluator::Impl {
   vk::raii::DescriptorSet make_set(const vk::raii::DescriptorPool& pool,
                                    const vk::raii::DescriptorSetLayout& layout) const;
 
-  Result<std::vector<compiler::PointAnswer>> probe(std::span<const glm::dvec3> positions, Timings* timings);
+  Result<std::vector<compiler::PointAnswer>> probe(std::span<const glm::dvec3> positions, double time_ms, Timings* timings);
   Result<Picture> render(const View& view, Timings* timings);
 
  private:
+  void set_time(double time_ms);
   void upload(const compiler::Program& program);
   void bind_scene(const compiler::Program& program);
   Result<void> warm_up(const Shot& shot, Timings* timings);

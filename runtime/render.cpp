@@ -15,7 +15,7 @@ using Stage = vk::PipelineStageFlagBits;
 
 constexpr std::uint32_t longest_picture_px = 16384;
 constexpr std::uint32_t widest_tile_px = 2048;
-constexpr std::uint32_t tile_budget_px = 1u << 21;  // some 190 MiB of images and buffers
+constexpr std::uint32_t tile_budget_px = 1u << 21;  // some 220 MiB of images and buffers
 constexpr glm::uvec2 warm_up_px{DMVV_PIXELS_GROUP_SIZE, DMVV_PIXELS_GROUP_SIZE};
 constexpr std::array pixel_io{vk::DescriptorType::eStorageImage, vk::DescriptorType::eStorageImage,
                               vk::DescriptorType::eStorageImage, vk::DescriptorType::eStorageImage};
@@ -215,6 +215,7 @@ Result<void> Evaluator::Impl::warm_up(const Shot& shot, Timings* timings) {
 }
 
 Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
+  set_time(view.time_ms);
   if (!rasteriser) rasteriser.emplace(gpu);
   if (!view.slice) {
     const auto drawn = rasteriser->set_mesh(view.mesh != nullptr ? *view.mesh : voml::standard_cube());

@@ -166,28 +166,19 @@ Camera default_camera(const voml::Bounds& bounds, glm::uvec2 size_px, std::span<
   glm::dvec3 half = 0.5 * (bounds.hi - bounds.lo);
   if (glm::length(half) <= 1e-9 * (1.0 + glm::length(centre))) half = glm::dvec3(0.5);
 
-  // All corners lie in the pyramid of view if, per axis, |x - eye_x| <= slope * (depth - eye_depth). Each side is an
-  // inequality in (eye_x, eye_depth); the farthest eye_depth that satisfies both axes touches one pair of sides.
+  // The centre stands in the middle of the picture; each corner asks for a distance at which it lies in the pyramid of
+  // view, |x| <= slope * (depth + distance).
   const double tangent = std::tan(camera.fov_deg * std::numbers::pi / 360.0) * (1.0 - margin);
-  const double slopes[2] = {tangent * size_px.x / size_px.y, tangent};
-  const glm::dvec3 axes[2] = {right, up};
-  double eye_depth = std::numeric_limits<double>::infinity();
-  double eye_offset[2];
-  for (int axis = 0; axis < 2; ++axis) {
-    double low = -std::numeric_limits<double>::infinity();
-    double high = std::numeric_limits<double>::infinity();
-    for (int corner = 0; corner < 8; ++corner) {
-      const glm::dvec3 p = half * glm::dvec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-      const double x = glm::dot(p, axes[axis]);
-      const double depth = glm::dot(p, forward);
-      low = std::max(low, x - slopes[axis] * depth);
-      high = std::min(high, x + slopes[axis] * depth);
-    }
-    eye_depth = std::min(eye_depth, (high - low) / (2.0 * slopes[axis]));
-    eye_offset[axis] = 0.5 * (low + high);
+  const glm::dvec2 slope(tangent * size_px.x / size_px.y, tangent);
+  double distance = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 p = half * glm::dvec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+    const double depth = glm::dot(p, forward);
+    distance = std::max(distance, std::abs(glm::dot(p, right)) / slope.x - depth);
+    distance = std::max(distance, std::abs(glm::dot(p, up)) / slope.y - depth);
   }
-  camera.look = centre + eye_offset[0] * right + eye_offset[1] * up;
-  camera.eye = camera.look + eye_depth * forward;
+  camera.look = centre;
+  camera.eye = centre - distance * forward;
   return camera;
 }
 

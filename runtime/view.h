@@ -39,6 +39,7 @@ struct View {
   std::vector<Plane> cuts;           ///< n.x > d is taken away, the section is capped; at most 64
   std::optional<Plane> slice;        ///< a section instead of a perspective picture; camera, mesh, cuts are ignored
   Shading shading = Shading::lit;    ///< slices are never lit
+  double time_ms = 0.0;              ///< since the animation's start
   std::uint32_t samples = 1;         ///< per pixel along each axis, 1..16; the picture is the mean of samples^2
   bool want_regions = false;
   bool want_depth = false;

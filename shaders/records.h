@@ -24,6 +24,7 @@ using uvec4 = glm::uvec4;
 #define DMVV_BIND_CELLS 7
 #define DMVV_BIND_LISTS 8
 #define DMVV_BIND_OBJECTS 9
+#define DMVV_BIND_TIME 10  // float[]: what depends on time alone, computed on the CPU for each frame
 
 // ---- bindings of descriptor set 1 ----
 // kernel `points`
@@ -44,6 +45,8 @@ using uvec4 = glm::uvec4;
 
 // The high bit of a node reference says that it names a region.
 #define DMVV_REGION_BIT 0x80000000u
+
+#define DMVV_NO_FUNCTION 0xffffffffu
 
 #define DMVV_KIND_SINGLE 0u
 #define DMVV_KIND_SEEDED 1u
@@ -92,7 +95,8 @@ struct SdfRecord {
   LookupRecord lookup;   // of the seeds
   uint kind;             // DMVV_KIND_*
   uint first_placement;  // into placements
-  uint pad0, pad1;
+  uint function;         // the analytic source, or DMVV_NO_FUNCTION for a grid
+  uint pad0;
 };
 
 struct RegionRecord {

@@ -5,10 +5,15 @@ uvec2 find_cell(LookupRecord l, vec3 p) {
   return find_cell(p, l.lo.xyz, l.cells_per_unit.xyz, uvec3(l.size_x, l.size_y, l.size_z), l.first_cell);
 }
 
+// Above iso counts as outside; so does NaN.
 bool placed_negative(uint sdf, vec3 q) {
+  if (!in_box(q, sdfs[sdf].box_lo.xyz, sdfs[sdf].box_hi.xyz)) return false;
+#ifdef DMVV_FUNCTIONS
+  if (sdfs[sdf].function != DMVV_NO_FUNCTION) return call_function(sdfs[sdf].function, q) <= sdfs[sdf].box_lo.w;
+#endif
 #ifdef DMVV_GRIDS
-  return in_box(q, sdfs[sdf].box_lo.xyz, sdfs[sdf].box_hi.xyz) &&
-         textureLod(grid_atlas, q * sdfs[sdf].atlas_scale.xyz + sdfs[sdf].atlas_offset.xyz, 0.0).r <= sdfs[sdf].box_lo.w;
+  vec3 texel = q * sdfs[sdf].atlas_scale.xyz + sdfs[sdf].atlas_offset.xyz;
+  return textureLod(grid_atlas, texel, 0.0).r <= sdfs[sdf].box_lo.w;
 #else
   return false;
 #endif

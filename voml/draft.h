@@ -11,10 +11,18 @@
 
 namespace dmvv::voml {
 
-/// What an object defines, by name.
+/// A FUNCTIONS element.
+struct FunctionBlock {
+  GlslText content;
+  Span span;
+};
+
+/// What an object defines, by name, and the FUNCTIONS in it (indices into Draft::function_blocks).
 struct ObjectNames {
   std::unordered_map<std::string, Id<Sdf>> sdfs;
   std::unordered_map<std::string, Id<Region>> regions;
+  std::vector<std::size_t> function_blocks;
+  std::size_t document = 0;  ///< that the object stands in
 };
 
 /// A node of a tree whose SDF or region is given by name.
@@ -50,6 +58,9 @@ struct Draft {
   Assets assets;
   Id<Object> last_object;          ///< of the document itself, imports left aside
   std::vector<ObjectNames> names;  ///< parallel to scene.objects
+  std::vector<FunctionBlock> function_blocks;
+  std::vector<std::vector<std::size_t>> document_blocks;  ///< of each document: its FUNCTIONS and those it imports
+  std::vector<Id<Object>> function_objects;               ///< parallel to scene.functions: where each stands
   std::unordered_map<std::string, Id<Object>> objects;
   std::vector<NodeReference> node_references;
   std::vector<ObjectReference> object_references;
@@ -59,6 +70,9 @@ struct Draft {
 
 /// Reads a document and what it imports into `draft`: objects, definitions, trees. Errors are reported.
 void read_documents(const std::string& path, const ReadFile& files, Draft& draft, Diagnostics& diagnostics);
+
+/// Gives every analytic SDF the FUNCTIONS it may use. Errors: E0005.
+void connect_functions(Draft& draft, Diagnostics& diagnostics);
 
 /// Connects names with what they refer to, reports unknown elements, chooses the root, refuses embedding cycles.
 void resolve_names(Draft& draft, const ReadOptions& options, Diagnostics& diagnostics);

@@ -24,6 +24,8 @@ std::string_view place_of(Tag tag) {
       return "in the definition of a REGION, or in an INDEX there";
     case Tag::mappings:
       return "in OBJECT";
+    case Tag::functions:
+      return "in MVV or OBJECT";
     default:
       return "in an SDF within MAPPINGS";
   }
@@ -118,7 +120,8 @@ void DefinitionReader::read_source(Element element, Attributes& attributes, Sdf&
                         "'function' is true, but the element has no text that could be the function");
     return;
   }
-  sdf.source = append(scene_.functions, Function{std::move(body->text), body->span});
+  sdf.source = append(scene_.functions, Function{std::move(body->content), body->span, {}});
+  draft_.function_objects.push_back(object_);
 }
 
 Id<SeedList> DefinitionReader::read_seed_files(Attributes& attributes) {
@@ -242,13 +245,13 @@ void DefinitionReader::read_embedded(Element element, Id<Region> region, Embeddi
 
 class ObjectReader {
  public:
-  ObjectReader(const std::string& path, Draft& draft, Diagnostics& diagnostics)
+  ObjectReader(DocumentRef document, Draft& draft, Diagnostics& diagnostics)
       : object_(append(draft.scene.objects, Object{})),
         draft_(draft),
         scene_(draft.scene),
         diagnostics_(diagnostics),
-        definitions_(object_, path, draft, diagnostics) {
-    draft_.names.emplace_back();
+        definitions_(object_, document.path, draft, diagnostics) {
+    draft_.names.emplace_back().document = document.index;
   }
 
   Id<Object> read(Element element);
@@ -299,9 +302,11 @@ Id<Object> ObjectReader::read(Element element) {
   at(scene_.objects, object_).span = element.name_span();
   read_name(element);
   std::optional<Element> mappings;
-  const Children found = children(element, {Tag::sdf, Tag::region, Tag::mappings});
+  const Children found = children(element, {Tag::sdf, Tag::region, Tag::mappings, Tag::functions});
   for (const Element& child : found.elements) {
-    if (child.tag() != Tag::mappings) {
+    if (child.tag() == Tag::functions) {
+      read_functions(child, draft_.names[object_.index].function_blocks, draft_, diagnostics_);
+    } else if (child.tag() != Tag::mappings) {
       read_definition(child);
     } else if (mappings) {
       diagnostics_.report(Code::too_many_children, child.name_span(), "an object has one MAPPINGS",
@@ -545,8 +550,17 @@ bool blame_misspelt(const Children& children, Tag wanted, Draft& draft) {
   return false;
 }
 
-Id<Object> read_object(Element element, const std::string& path, Draft& draft, Diagnostics& diagnostics) {
-  return ObjectReader(path, draft, diagnostics).read(element);
+Id<Object> read_object(Element element, DocumentRef document, Draft& draft, Diagnostics& diagnostics) {
+  return ObjectReader(document, draft, diagnostics).read(element);
+}
+
+void read_functions(Element element, std::vector<std::size_t>& list, Draft& draft, Diagnostics& diagnostics) {
+  Attributes(element, {}, diagnostics).report_unknown();
+  children_of(element, {}, true, draft, diagnostics);
+  auto text = text_of(element);
+  if (!text) return;
+  list.push_back(draft.function_blocks.size());
+  draft.function_blocks.push_back({std::move(text->content), element.name_span()});
 }
 
 }  // namespace dmvv::voml

@@ -25,7 +25,16 @@ Children children_of(Element parent, std::initializer_list<Tag> allowed, bool te
 /// If one of the unknown children may be a typo of `wanted`, blames it for the lack of that element: true.
 bool blame_misspelt(const Children& children, Tag wanted, Draft& draft);
 
-/// Appends the object that `element` defines to the draft. `path` is the file it stands in.
-Id<Object> read_object(Element element, const std::string& path, Draft& draft, Diagnostics& diagnostics);
+/// The file that an object stands in.
+struct DocumentRef {
+  const std::string& path;
+  std::size_t index;  ///< into Draft::document_blocks
+};
+
+/// Appends the object that `element` defines to the draft.
+Id<Object> read_object(Element element, DocumentRef document, Draft& draft, Diagnostics& diagnostics);
+
+/// Appends a FUNCTIONS element to Draft::function_blocks; the list gets its index, unless it has no text.
+void read_functions(Element element, std::vector<std::size_t>& list, Draft& draft, Diagnostics& diagnostics);
 
 }  // namespace dmvv::voml

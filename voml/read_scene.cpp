@@ -112,6 +112,7 @@ std::optional<Scene> read_scene(const std::string& path, const ReadFile& files, 
     Draft draft;
     draft.scene.path = path;
     read_documents(path, files, draft, diagnostics);
+    connect_functions(draft, diagnostics);
     resolve_names(draft, options, diagnostics);
     Needed needed = needed_by(draft.scene, draft.scene.root);
     if (options.load_everything) {

@@ -37,10 +37,27 @@ struct SeedList {
   std::vector<Seed> seeds;
 };
 
-/// The body of `float f(vec3 p, float t)`, as written (entities resolved), and where it stands.
-struct Function {
-  std::string body;
+/// A run of a text and where it stands in its file: text bytes [begin, ...) of the run come from `span`. A run that
+/// came through an entity is one piece whose span is the entity.
+struct TextPiece {
+  std::uint32_t begin = 0;  ///< offset in the text
   Span span;
+};
+
+/// GLSL text of a scene, entities resolved, CDATA joined.
+struct GlslText {
+  std::string text;
+  std::vector<TextPiece> pieces;  ///< ascending; the first begins at 0
+};
+
+/// The place in its file of bytes [begin, end) of a text.
+Span locate(const GlslText& text, std::uint32_t begin, std::uint32_t end);
+
+/// An analytic distance function: the body of `float f(vec3 p, float t)`, and what it may call.
+struct Function {
+  GlslText body;
+  Span span;                      ///< of the SDF element's text
+  std::vector<GlslText> helpers;  ///< FUNCTIONS in scope: of imports and MVV in document order, then of the OBJECT
 };
 
 struct Sdf {

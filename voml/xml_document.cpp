@@ -5,14 +5,15 @@
 #include <algorithm>
 #include <array>
 
+#include "voml/glsl_text.h"
 #include "voml/limits.h"
 #include "voml/text.h"
 
 namespace dmvv::voml {
 namespace {
 
-constexpr std::array<std::string_view, 10> tag_names = {"MVV",   "IMPORT",   "OBJECT",   "SDF",      "REGION",
-                                                        "INDEX", "EMBEDDED", "MAPPINGS", "POSITIVE", "NEGATIVE"};
+constexpr std::array<std::string_view, 11> tag_names = {"MVV",      "IMPORT",   "OBJECT",   "SDF",      "REGION",   "INDEX",
+                                                        "EMBEDDED", "MAPPINGS", "POSITIVE", "NEGATIVE", "FUNCTIONS"};
 
 /// An element that is not closed yet; [begin, end) is its name in the opening tag.
 struct OpenElement {
@@ -221,18 +222,16 @@ std::optional<ElementText> text_of(Element element) {
   for (const pugi::xml_node child : element.node.children()) {
     if (child.type() != pugi::node_pcdata && child.type() != pugi::node_cdata) continue;
     const Span part = element.document->text_span(child);
-    if (!result) {
-      result = ElementText{child.value(), part, part};
-      continue;
-    }
     const std::string& source = element.document->diagnostics().source_text(part.source);
-    const auto gap_begin = source.begin() + result->span.end;
-    const auto gap_end = source.begin() + part.begin;
-    result->text.append(static_cast<std::size_t>(std::count(gap_begin, gap_end, '\n')), '\n');
-    result->text += child.value();
-    result->span.end = part.end;
+    if (!result) {
+      result = ElementText{{}, part, part};
+    } else {
+      append_line_ends(result->content, source, {part.source, result->span.end, part.begin});
+      result->span.end = part.end;
+    }
+    append_text(result->content, source, part, child.type() == pugi::node_pcdata);
   }
-  if (!result || trim(result->text).empty()) return std::nullopt;
+  if (!result || trim(result->content.text).empty()) return std::nullopt;
   const std::string_view source = element.document->diagnostics().source_text(result->span.source);
   const std::string_view words = trim(source.substr(result->span.begin, result->span.end - result->span.begin));
   const auto begin = static_cast<std::uint32_t>(words.data() - source.data());

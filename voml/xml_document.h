@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "voml/diagnostics.h"
+#include "voml/scene.h"
 #include "voml/text.h"
 
 namespace dmvv::voml {
@@ -26,6 +27,7 @@ enum class Tag : std::uint8_t {
   mappings,
   positive,
   negative,
+  functions,
   unknown,
 };
 
@@ -79,9 +81,9 @@ struct Element {
 };
 
 /// The text of an element, text and CDATA joined. What is left out between (comments, child elements) leaves its line
-/// ends behind, so that line k of `text` is line k from the beginning of `span`.
+/// ends behind, so that line k of the text is line k from the beginning of `span`.
 struct ElementText {
-  std::string text;  ///< entities resolved
+  GlslText content;
   Span span;
   Span words;  ///< the same without the blanks around it, for messages
 };

@@ -1,5 +1,7 @@
 #include "tests/cli/program.h"
 
+#include <fcntl.h>
+#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -37,6 +39,24 @@ Run run_dmvv(const std::vector<std::string>& arguments, std::string_view input) 
   command += " >" + quoted(folder.file("out")) + " 2>" + quoted(folder.file("err"));
   const int status = std::system(command.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, folder.read("out"), folder.read("err")};
+}
+
+pid_t start_dmvv(const std::vector<std::string>& arguments, const std::string& err_path) {
+  std::vector<std::string> words{DMVV_PROGRAM};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, err_path.c_str(), O_WRONLY | O_CREAT | O_NOCTTY, 0600);
+  pid_t process = -1;
+  const int error = posix_spawn(&process, pointers[0], &files, nullptr, pointers.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  if (error != 0) throw std::runtime_error("cannot start " + words[0]);
+  return process;
 }
 
 Folder::Folder() {

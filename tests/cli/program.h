@@ -1,6 +1,8 @@
 // Runs the program dmvv as a user would, in folders that vanish.
 #pragma once
 
+#include <sys/types.h>
+
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,6 +17,9 @@ struct Run {
 
 /// Runs `dmvv` with these arguments; `input` is its standard input.
 Run run_dmvv(const std::vector<std::string>& arguments, std::string_view input = "");
+
+/// Starts `dmvv` and returns at once; its standard error goes to `err_path`. The caller waits for the process.
+pid_t start_dmvv(const std::vector<std::string>& arguments, const std::string& err_path);
 
 /// A folder of its own, removed with everything in it.
 class Folder {

@@ -33,6 +33,12 @@ std::vector<glm::dvec3> points_of(std::uint64_t seed) {
   return points;
 }
 
+/// A static scene is the same at all times; a moving one is looked at from its start to an hour later.
+std::vector<double> times_of(const compiler::Program& program) {
+  if (program.time_functions.empty()) return {0.0};
+  return {0.0, 16.7, 1234.5, 60000.0, 3600000.0};
+}
+
 struct Setting {
   std::string name;
   compiler::CompileOptions options;
@@ -48,12 +54,12 @@ std::vector<Setting> settings() {
 
 /// Compares by region names, since passes may renumber the regions of a module.
 void compare(const compiler::Module& module, const compiler::Program& program,
-             const std::vector<glm::dvec3>& points, const std::vector<compiler::PointAnswer>& answers) {
+             const std::vector<glm::dvec3>& points, double time_ms, const std::vector<compiler::PointAnswer>& answers) {
   const compiler::Reference reference(module);
   const auto legend = compiler::legend(module);
   std::size_t certain = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto expected = reference.evaluate(points[i]);
+    const auto expected = reference.evaluate(points[i], time_ms);
     if (!expected.certain) continue;
     ++certain;
     CAPTURE(points[i].x);
@@ -79,10 +85,13 @@ TEST_CASE("every evaluator gives the same region, path and colour") {
       const auto program = tests::compiled(module, setting.options);
       auto evaluator = runtime::Evaluator::create(device, program);
       REQUIRE(evaluator);
-      const auto answers = evaluator->probe(points);
-      REQUIRE(answers);
-      REQUIRE(answers->size() == points.size());
-      compare(module, program, points, *answers);
+      for (const double time_ms : times_of(program)) {
+        CAPTURE(time_ms);
+        const auto answers = evaluator->probe(points, time_ms);
+        REQUIRE(answers);
+        REQUIRE(answers->size() == points.size());
+        compare(module, program, points, time_ms, *answers);
+      }
     }
   }
   for (const auto& message : device.validation_messages()) FAIL_CHECK(message);

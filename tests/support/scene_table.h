@@ -101,6 +101,32 @@ inline std::vector<SceneCase> make_conformance_scenes() {
                     seeds});
   scenes.push_back({"tiled embedding", tissue("<EMBEDDED name='CELL' type='tiling' scale='0.2 0.3 0.2' rotate='0 30 0'/>"),
                     {{"ball.lxn", ball}}});
+  const auto analytic = [&](const std::string& attributes, const std::string& body) {
+    return one_sdf("<SDF name='S' function='true' " + attributes + "><![CDATA[" + body + "]]></SDF>", in_out);
+  };
+  scenes.push_back({"analytic", analytic("", "return length(p) - 0.7;"), {}});
+  scenes.push_back({"analytic, offset and transformed",
+                    analytic("offset='0.1' translate='0.2 0 0' rotate='10 20 30' scale='0.7 0.5 0.6'",
+                             "vec3 q = abs(p) - 0.5; return length(max(q, 0.0)) + min(max(q.x, max(q.y, q.z)), 0.0);"), {}});
+  scenes.push_back({"analytic, tiled", analytic("type='tiling' scale='0.3 0.2 0.3'", "return length(p.xy) - 0.6;"), {}});
+  scenes.push_back({"analytic, seeded",
+                    analytic("type='seeding' seedFile='p.txt' rotateFile='r.txt' scaleFile='s.txt'",
+                             "return length(vec2(length(p.xz) - 0.6, p.y)) - 0.25;"), seeds});
+  scenes.push_back({"analytic, moving",
+                    analytic("", "float r = 0.5 + 0.3 * sin(t / 1000.0); vec3 c = vec3(cos(t * 0.001), 0.0, 0.2) * 0.3;"
+                                 "return length(p - c) - r;"), {}});
+  scenes.push_back({"analytic, loops and branches",
+                    analytic("", "float d = 1e9; for (int i = 0; i < 5; ++i) { float a = 6.2831853 * float(i) / 5.0 + t * 0.0005;"
+                                 "vec3 c = 0.5 * vec3(cos(a), sin(a), 0.0); float b = length(p - c) - 0.2;"
+                                 "if (i == 2) { continue; } d = b < d ? b : d; } return d;"), {}});
+  scenes.push_back(
+      {"analytic and grid, embedded by the hundred",
+       "<MVV><OBJECT name='BLOB'><SDF name='S' function='true'>return length(p) - 0.6 - 0.2 * sin(t / 500.0 + p.x);</SDF>"
+       "<SDF name='G' file='ball.lxn' scale='0.5 0.5 0.5'/><REGION name='OUT' type='empty'/><REGION name='SKIN' type='color' "
+       "rgb='0.9 0.2 0.2'/><REGION name='HEART' type='color' rgb='0.2 0.2 0.9'/><MAPPINGS><SDF name='S'><POSITIVE region='OUT'/>"
+       "<NEGATIVE><SDF name='G'><POSITIVE region='SKIN'/><NEGATIVE region='HEART'/></SDF></NEGATIVE></SDF></MAPPINGS></OBJECT>"
+       "<OBJECT name='SOUP'><REGION name='WATER' type='color' rgb='0.1 0.1 0.1'><EMBEDDED name='BLOB' seedFile='p.txt' "
+       "rotateFile='r.txt' scaleFile='s.txt'/></REGION></OBJECT></MVV>", seeds});
   scenes.push_back({"chain of 6", chain_scene(6, 0.7), {{"ball.lxn", ball}}});
   scenes.push_back({"chain of 20", chain_scene(20, 0.9), {{"ball.lxn", ball}}});
   scenes.push_back(

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <cstdlib>
 
 #include "tests/support/scene_table.h"
@@ -125,13 +126,44 @@ TEST_CASE("limits of the device are diagnostics that name them") {
   CHECK(deep.all().at(0).code == Code::embedding_too_deep);
 }
 
-TEST_CASE("analytic SDFs are refused at their place") {
-  Diagnostics diagnostics;
+TEST_CASE("identical snippets are stitched once, whatever their names and spaces") {
   const auto module = tests::lowered(
-      "<MVV><OBJECT name='A'>\n<SDF name='S' function='true'>return length(p) - 0.5;</SDF><REGION name='R' type='color' "
+      "<MVV><OBJECT name='A'><SDF name='S' function='true'>float r = 0.5; return length(p) - r;</SDF>"
+      "<SDF name='T' scale='0.5 0.5 0.5' function='true'>float radius = 0.5;\n  return length(p) - radius;</SDF>"
+      "<REGION name='X' type='color' rgb='1 0 0'/><REGION name='Y' type='color' rgb='1 0 0'/><MAPPINGS><SDF name='S'>"
+      "<POSITIVE region='X'/><NEGATIVE><SDF name='T'><POSITIVE region='X'/><NEGATIVE region='Y'/></SDF></NEGATIVE></SDF>"
+      "</MAPPINGS></OBJECT></MVV>");
+  CHECK(module.functions.size() == 2);
+  const auto program = tests::compiled(module);
+  CHECK(program.statistics.functions == 1);
+  CHECK(has(pixels(program), "float function_0("));
+  CHECK_FALSE(has(pixels(program), "function_1"));
+}
+
+TEST_CASE("a static scene has no time anywhere in its shader, a moving one reads what was computed for the frame") {
+  const auto& still = tests::conformance_scene("analytic");
+  CHECK_FALSE(has(pixels(tests::compiled(tests::lowered(still.text, still.files))), "time_values"));
+  const auto& moving = tests::conformance_scene("analytic, moving");
+  const auto program = tests::compiled(tests::lowered(moving.text, moving.files));
+  CHECK(has(pixels(program), "time_values[0]"));
+  CHECK_FALSE(has(pixels(program), "sin("));  // sin(t / 1000) depends on time alone
+  REQUIRE(program.time_functions.size() == 1);
+  bool has_sine = false;
+  for (const float value : compiler::time_values(program.time_functions, 3600000.0)) {
+    const double sine = std::sin(3600000.0 * 0.001);
+    for (const double expected : {sine, 0.3 * sine, 0.5 + 0.3 * sine}) {
+      has_sine = has_sine || std::abs(value - expected) < 1e-6;
+    }
+  }
+  CHECK(has_sine);
+}
+
+TEST_CASE("a mistake in a snippet stops the lowering at its place") {
+  Diagnostics diagnostics;
+  auto scene = tests::read(
+      "<MVV><OBJECT name='A'>\n<SDF name='S' function='true'>return lenght(p) - 0.5;</SDF><REGION name='R' type='color' "
       "rgb='1 0 0'/></OBJECT></MVV>");
-  CHECK_FALSE(compiler::compile(module, {}, diagnostics));
+  CHECK_FALSE(compiler::lower(std::move(scene), diagnostics));
   REQUIRE(diagnostics.all().size() == 1);
-  CHECK(diagnostics.all()[0].code == Code::function_not_supported);
-  CHECK(diagnostics.all()[0].span.source.valid());
+  CHECK(diagnostics.all()[0].message.find("'length'") != std::string::npos);
 }

@@ -181,7 +181,7 @@ TEST_CASE("an analytic SDF: its text with entities resolved, line for line as in
       empty_region + "</OBJECT></MVV>";
   const Scene scene = scene_of(text);
   const Function& function = at(scene.functions, std::get<Id<Function>>(first_sdf(scene).source));
-  CHECK(function.body == "\nfloat r = p.x < 0.0 ? 1.0 : 2.0;\n\nreturn p.y < r ? -1.0 : 1.0;");
+  CHECK(function.body.text == "\nfloat r = p.x < 0.0 ? 1.0 : 2.0;\n\nreturn p.y < r ? -1.0 : 1.0;");
   CHECK(text.substr(function.span.begin, 6) == "\nfloat");
   CHECK(text.substr(function.span.end, 3) == "]]>");
 }

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/records.h"
 // Region 1 where a distance texture says inside, region 2 elsewhere on the surface. The colour is what the scene's
-// buffer asks for: the position, the normal, the light, or the number of the checker field.
+// buffer asks for: the position, the normal, the light, or a checker pattern.
 
 layout(local_size_x = DMVV_PIXELS_GROUP_SIZE, local_size_y = DMVV_PIXELS_GROUP_SIZE) in;
 layout(set = 0, binding = DMVV_BIND_GRID_ATLAS) uniform sampler3D distance;
@@ -27,7 +27,8 @@ void main() {
     if (what.x == 0) color = vec4(p, 1.0);
     if (what.x == 1) color = vec4(normal, 1.0);
     if (what.x == 2) color = params.light;
-    if (what.x == 3) color = vec4(mix(vec3(0.9, 0.5, 0.2), vec3(0.3, 0.4, 0.8), checker) * (region == 1 ? 1.0 : 0.6), 1.0);
+    vec3 paint = mix(vec3(0.9, 0.5, 0.2), vec3(0.3, 0.4, 0.8), checker) * (region == 1 ? 1.0 : 0.6);
+    if (what.x == 3) color = vec4(paint, 1.0);
     if (what.x == 3 && params.light.w == 1.0) color.rgb *= 0.3 + 0.7 * max(dot(normal, params.light.xyz), 0.0);
     if (what.x == 4) region = DMVV_UNFINISHED;
   }

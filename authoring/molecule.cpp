@@ -1,0 +1,178 @@
+// From a molecule's file to the atoms that are drawn, and from these to seeds and a scene.
+#include "authoring/molecule.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <glm/common.hpp>
+#include <map>
+
+#include "authoring/molecule_readers.h"
+#include "voml/limits.h"
+#include "voml/text.h"
+
+namespace dmvv::authoring {
+namespace {
+
+bool is_water(std::string_view residue) { return residue == "HOH" || residue == "DOD" || residue == "WAT"; }
+
+std::string red_green_blue(std::uint32_t rgb) {
+  return fmt::format("{:.3f} {:.3f} {:.3f}", (rgb >> 16 & 0xff) / 255.0, (rgb >> 8 & 0xff) / 255.0,
+                     (rgb & 0xff) / 255.0);
+}
+
+std::string vector_line(const glm::dvec3& v) { return fmt::format("{:.7f} {:.7f} {:.7f}\n", v.x, v.y, v.z); }
+
+/// In a comment two hyphens must not follow each other.
+std::string for_comment(std::string_view text) {
+  std::string result;
+  for (const char c : text) result += c == '-' && result.ends_with('-') ? " -" : std::string(1, c);
+  return result;
+}
+
+std::string for_attribute(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '&')
+      result += "&amp;";
+    else if (c == '<')
+      result += "&lt;";
+    else if (c == '"')
+      result += "&quot;";
+    else
+      result += c;
+  }
+  return result;
+}
+
+}  // namespace
+
+void MoleculeBuilder::report(Code code, std::string_view part, std::string message) {
+  const auto begin = static_cast<std::uint32_t>(part.data() - text_.data());
+  diagnostics_.report(code, {source_, begin, begin + static_cast<std::uint32_t>(part.size())}, std::move(message));
+}
+
+std::optional<glm::dvec3> MoleculeBuilder::position(const AtomRecord& record) {
+  glm::dvec3 position;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string_view text = record.coordinates[axis];
+    const auto number = voml::parse_number(text);
+    if (!std::holds_alternative<double>(number)) {
+      report(Code::molecule_syntax, text,
+             fmt::format("the coordinate {} is {}, not a finite number", "xyz"[axis], voml::in_quotes(text)));
+      return std::nullopt;
+    }
+    position[axis] = std::get<double>(number);
+  }
+  return position;
+}
+
+void MoleculeBuilder::add(const AtomRecord& record) {
+  const auto position = this->position(record);
+  const Element* const element = find_element(record.element);
+  if (!element) {
+    const bool nothing = record.element.empty() || record.element == "." || record.element == "?";
+    report(Code::molecule_unknown_element, record.element,
+           nothing ? "the atom's element is not given"
+                   : fmt::format("unknown element {}", voml::in_quotes(record.element)));
+  }
+  if (!position || !element) return;
+  if (!options_.keep_water && is_water(record.residue_name)) {
+    ++molecule_.waters;
+    return;
+  }
+  if (!record.alternate.empty() &&
+      first_alternate_.try_emplace(record.residue, record.alternate).first->second != record.alternate) {
+    ++molecule_.alternates;
+    return;
+  }
+  molecule_.atoms.push_back({*position, element});
+}
+
+std::optional<Molecule> MoleculeBuilder::finish(std::size_t errors_before) {
+  if (diagnostics_.error_count() != errors_before) return std::nullopt;
+  if (molecule_.atoms.empty()) {
+    diagnostics_.report(Code::molecule_without_atoms, {source_, 0, 0},
+                        molecule_.waters ? fmt::format("all {} atoms are water, which is left out", molecule_.waters)
+                                         : "no atoms: neither ATOM or HETATM records of PDB nor _atom_site of mmCIF");
+    return std::nullopt;
+  }
+  return std::move(molecule_);
+}
+
+std::optional<Molecule> parse_molecule(const std::string& path, std::string_view bytes, const MoleculeOptions& options,
+                                       Diagnostics& diagnostics) {
+  const std::size_t errors_before = diagnostics.error_count();
+  const bool too_long = bytes.size() > voml::max_file_bytes;
+  const bool compressed = bytes.starts_with("\x1f\x8b");
+  const SourceId source = diagnostics.add_source(path, too_long || compressed ? "" : std::string(bytes));
+  if (too_long || compressed) {
+    diagnostics.report(Code::molecule_syntax, {source, 0, 0},
+                       compressed ? "the file is compressed; unpack it first: gunzip" : "the file is 4 GiB or longer");
+    return std::nullopt;
+  }
+  MoleculeBuilder builder(source, options, diagnostics);
+  try {
+    looks_like_mmcif(builder.text()) ? read_mmcif(builder) : read_pdb(builder);
+  } catch (const MoleculeRefusal& refusal) {
+    builder.report(Code::molecule_syntax, builder.text().substr(refusal.begin, refusal.end - refusal.begin),
+                   refusal.message);
+  }
+  return builder.finish(errors_before);
+}
+
+MoleculeFrame fit_molecule(std::span<const Atom> atoms) {
+  glm::dvec3 lo = atoms.front().position, hi = lo;
+  for (const Atom& atom : atoms) {
+    lo = glm::min(lo, atom.position - atom.element->radius);
+    hi = glm::max(hi, atom.position + atom.element->radius);
+  }
+  const glm::dvec3 half = 0.5 * (hi - lo);
+  return {0.5 * (lo + hi), std::max({half.x, half.y, half.z}) / 0.95};
+}
+
+std::vector<ElementSeeds> element_seeds(std::span<const Atom> atoms, const MoleculeFrame& frame) {
+  std::map<const Element*, ElementSeeds> by_element;  // all point into one table, so this is by atomic number
+  for (const Atom& atom : atoms) {
+    ElementSeeds& seeds = by_element.try_emplace(atom.element, ElementSeeds{atom.element, 0, {}, {}}).first->second;
+    ++seeds.count;
+    seeds.seeds += vector_line((atom.position - frame.center) / (2.0 * frame.angstrom_per_unit));
+    seeds.scales += vector_line(glm::dvec3(atom.element->radius / (local_ball_radius * frame.angstrom_per_unit)));
+  }
+  std::vector<ElementSeeds> result;
+  for (auto& [element, seeds] : by_element) result.push_back(std::move(seeds));
+  std::ranges::stable_sort(result, {}, &ElementSeeds::count);
+  return result;
+}
+
+std::string molecule_scene(std::span<const ElementSeeds> elements, const std::string& stem, std::string_view source) {
+  std::string sdfs, regions, open, close;
+  for (const ElementSeeds& element : elements) {
+    const std::string_view symbol = element.element->symbol;
+    const std::string file = for_attribute(stem) + '_' + std::string(symbol);
+    sdfs += fmt::format(
+        "    <SDF name=\"{0}\" function=\"true\" type=\"seeding\" seedFile=\"{1}.txt\" scaleFile=\"{1}_scale.txt\">"
+        "return length(p) - {2};</SDF>\n",
+        symbol, file, local_ball_radius);
+    regions += fmt::format("    <REGION name=\"R.{}\" type=\"color\" rgb=\"{}\"/>\n", symbol,
+                           red_green_blue(element.element->rgb));
+    open += fmt::format("      <SDF name=\"{0}\"><NEGATIVE region=\"R.{0}\"/><POSITIVE>\n", symbol);
+    close += "      </POSITIVE></SDF>\n";
+  }
+  return fmt::format(R"(<?xml version="1.0" encoding="UTF-8"?>
+<!-- The atoms of {} as van der Waals balls by element, the rarest first. Made by `dmvv seeds`. -->
+<MVV>
+  <OBJECT name="MOLECULE">
+{}
+    <REGION name="R.OUTSIDE" type="empty"/>
+{}
+    <MAPPINGS>
+{}        <REGION name="R.OUTSIDE"/>
+{}    </MAPPINGS>
+  </OBJECT>
+</MVV>
+)",
+                     for_comment(source), sdfs, regions, open, close);
+}
+
+}  // namespace dmvv::authoring

@@ -1,0 +1,60 @@
+// Private to authoring/molecule*.cpp: what the readers of the two formats share.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <unordered_map>
+
+#include "authoring/molecule.h"
+
+namespace dmvv::authoring {
+
+/// Thrown at a fault behind which nothing can be trusted; parse_molecule turns it into a diagnostic.
+struct MoleculeRefusal {
+  std::size_t begin;
+  std::size_t end;
+  std::string message;
+};
+
+/// An atom as it stands in a file; views into its text. Empty where the file says nothing.
+struct AtomRecord {
+  std::string_view coordinates[3];
+  std::string_view element;
+  std::string_view residue_name;
+  std::string_view alternate;
+  std::string residue;  ///< what tells residues apart: chain, number, insertion code
+};
+
+/// Chooses the atoms to draw and reports faults at their places in `source`.
+class MoleculeBuilder {
+ public:
+  MoleculeBuilder(SourceId source, const MoleculeOptions& options, Diagnostics& diagnostics)
+      : source_(source), text_(diagnostics.source_text(source)), options_(options), diagnostics_(diagnostics) {}
+
+  std::string_view text() const { return text_; }
+
+  /// An atom of the first model.
+  void add(const AtomRecord& record);
+  void skip_other_model() { ++molecule_.other_models; }
+  /// `part` is a view into text().
+  void report(Code code, std::string_view part, std::string message);
+
+  std::optional<Molecule> finish(std::size_t errors_before);
+
+ private:
+  std::optional<glm::dvec3> position(const AtomRecord& record);
+
+  SourceId source_;
+  std::string_view text_;
+  MoleculeOptions options_;
+  Diagnostics& diagnostics_;
+  Molecule molecule_;
+  std::unordered_map<std::string, std::string_view> first_alternate_;  ///< of each residue that has any
+};
+
+void read_pdb(MoleculeBuilder& builder);
+void read_mmcif(MoleculeBuilder& builder);
+/// Whether the first word behind blanks and comments begins with data_.
+bool looks_like_mmcif(std::string_view text);
+
+}  // namespace dmvv::authoring

@@ -1,0 +1,61 @@
+#include "cli/view_options.h"
+
+#include <fmt/format.h>
+
+namespace dmvv::cli {
+
+void add_view_options(CLI::App& command, ViewOptions& options) {
+  command.add_option("--size", options.size, "Width and height in pixels; default 1280x720")->type_name("WxH");
+  auto* camera = command
+                     .add_option("--camera", options.camera,
+                                 "\"eye X Y Z look X Y Z fov DEGREES\", \"up X Y Z\" optional; default: a camera that "
+                                 "frames the mesh")
+                     ->type_name("TEXT");
+  auto* mesh = command.add_option("--mesh", options.mesh, "Support mesh (OBJ, PLY, STL); default: the standard cube")
+                   ->type_name("FILE");
+  auto* cut = command.add_option("--cut", options.cuts, "\"NX NY NZ D\" takes away n.x > D (repeatable)")
+                  ->type_name("PLANE")
+                  ->allow_extra_args(false);
+  command.add_option("--slice", options.slice, "Draw the section of a plane instead: \"z=0\" or \"NX NY NZ D\"")
+      ->type_name("PLANE")
+      ->excludes(camera)
+      ->excludes(mesh)
+      ->excludes(cut);
+  command.add_option("--shading", options.shading, "none or lit (default; slices are never lit)")->type_name("WORD");
+  command.add_option("--samples", options.samples, "Samples along each axis of a pixel, 1 to 16; default 1")
+      ->type_name("N")
+      ->check(CLI::Range(1, 16));
+}
+
+runtime::View parse_view(const ViewOptions& options) {
+  runtime::View view;
+  view.size_px = must_parse("--size", runtime::parse_size(options.size));
+  if (!options.camera.empty()) view.camera = must_parse("--camera", runtime::parse_camera(options.camera));
+  for (const std::string& cut : options.cuts) view.cuts.push_back(must_parse("--cut", runtime::parse_plane(cut)));
+  if (!options.slice.empty()) view.slice = must_parse("--slice", runtime::parse_slice(options.slice));
+  if (options.shading != "none" && options.shading != "lit") {
+    fail_usage(fmt::format("--shading: unknown word '{}'", options.shading), {"use none or lit"});
+  }
+  view.shading = options.shading == "lit" ? runtime::Shading::lit : runtime::Shading::none;
+  view.samples = options.samples;
+  return view;
+}
+
+std::optional<voml::Mesh> place_camera(runtime::View& view, const ViewOptions& options, const ReadFile& files,
+                                       Context& context, Diagnostics& diagnostics) {
+  std::optional<voml::Mesh> mesh;
+  if (!options.mesh.empty()) mesh = read_mesh(options.mesh, context, diagnostics, files);
+  if (options.camera.empty() && !view.slice) {
+    const voml::Bounds bounds = mesh ? voml::bounds(*mesh) : voml::Bounds{glm::dvec3(-1.0), glm::dvec3(1.0)};
+    view.camera = runtime::default_camera(bounds, view.size_px, view.cuts);
+  }
+  return mesh;
+}
+
+void warn_of_open_edges(std::size_t open_edges, const ViewOptions& options, const Context& context) {
+  if (open_edges == 0 || context.quiet) return;
+  print_warning(
+      fmt::format("'{}' has {}: the caps of its cuts may leak", options.mesh, plural(open_edges, "open edge")));
+}
+
+}  // namespace dmvv::cli

@@ -1,0 +1,38 @@
+// The options that say what a picture shows, shared by the commands that draw.
+#pragma once
+
+#include <CLI/App.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/options.h"
+#include "runtime/view.h"
+
+namespace dmvv::cli {
+
+struct ViewOptions {
+  std::string size = "1280x720";
+  std::string camera;
+  std::string mesh;
+  std::vector<std::string> cuts;
+  std::string slice;
+  std::string shading = "lit";
+  std::uint32_t samples = 1;
+};
+
+/// --size, --camera, --mesh, --cut, --slice, --shading, --samples.
+void add_view_options(CLI::App& command, ViewOptions& options);
+
+/// What the texts of the options say, or wrong usage. The camera waits for the mesh it frames.
+runtime::View parse_view(const ViewOptions& options);
+
+/// Reads the support mesh by way of `files` (none: the standard cube), and sets the camera that frames it unless one
+/// was chosen. The caller keeps the mesh and points the view at it. Mistakes are printed and stop the command.
+std::optional<voml::Mesh> place_camera(runtime::View& view, const ViewOptions& options, const ReadFile& files,
+                                       Context& context, Diagnostics& diagnostics);
+
+/// Says that cutting a mesh that is not closed may show leaks.
+void warn_of_open_edges(std::size_t open_edges, const ViewOptions& options, const Context& context);
+
+}  // namespace dmvv::cli

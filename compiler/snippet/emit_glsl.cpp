@@ -1,0 +1,751 @@
+// Program -> GLSL: `float NAME(vec3 p)`, statements over scalars, structured control flow.
+//
+//   t0, t1, ...  what depends on t alone, read from time_values (time_values.h)
+//   v0, v1, ...  variables      r0, r1, ...  temporaries      a0, a1, ...  arrays      g0, g1, ...  rounds of loops
+//
+// A temporary with one use is written where it is used, unless the line would grow too long.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <set>
+#include <span>
+
+#include "compiler/generate_glsl.h"
+#include "compiler/snippet/snippet.h"
+#include "compiler/snippet/time_values.h"
+
+namespace dmvv::compiler::snippet {
+
+namespace {
+
+constexpr std::size_t longest_inlined = 96;  // characters of an expression that is written into another
+constexpr int most_nested = 60;              // branches that replace the exits of a block
+/// Rounds of a loop on a device; lavapipe allows as many to a shader invocation. Loops that do not end were refused.
+constexpr int most_rounds = 65535;
+
+/// How an operation is written: $0 $1 $2 are operands, and how tightly it binds (GLSL 4.60, section 5.1).
+/// Of an infix operation the right operand must bind more tightly, so the order of evaluation stays.
+struct Form {
+  std::string_view pattern;
+  int rank;
+};
+constexpr int primary = 0, unary = 1, product = 2, sum = 3, shift = 4, relation = 5, equality = 6, bit_and = 7,
+              bit_xor = 8, bit_or = 9, logic_and = 10, logic_xor = 11, loosest = 12;
+
+Form form_of(Op op) {
+  switch (op) {
+    case Op::f_copy:
+    case Op::i_copy:
+    case Op::u_copy:
+    case Op::b_copy:
+      return {"$0", primary};
+    case Op::f_select:
+    case Op::i_select:
+    case Op::u_select:
+    case Op::b_select:
+      return {"mix($2, $1, $0)", primary};  // unlike ?: never a branch
+    case Op::f_load:
+    case Op::i_load:
+    case Op::u_load:
+    case Op::b_load:
+    case Op::f_store:
+    case Op::i_store:
+    case Op::u_store:
+    case Op::b_store:
+      return {"", primary};  // written by Emitter::element
+
+    case Op::f_add:
+    case Op::i_add:
+    case Op::u_add:
+      return {"$0 + $1", sum};
+    case Op::f_sub:
+    case Op::i_sub:
+    case Op::u_sub:
+      return {"$0 - $1", sum};
+    case Op::f_mul:
+    case Op::i_mul:
+    case Op::u_mul:
+      return {"$0 * $1", product};
+    case Op::f_div:
+    case Op::i_div:
+    case Op::u_div:
+      return {"$0 / $1", product};
+    case Op::f_neg:
+    case Op::i_neg:
+      return {"-$0", unary};
+    case Op::f_fma:
+      return {"fma($0, $1, $2)", primary};
+    case Op::f_mod:
+      return {"mod($0, $1)", primary};
+    case Op::f_rem:
+      return {"$0 - $1 * trunc($0 / $1)", sum};
+    case Op::f_min:
+    case Op::i_min:
+    case Op::u_min:
+      return {"min($0, $1)", primary};
+    case Op::f_max:
+    case Op::i_max:
+    case Op::u_max:
+      return {"max($0, $1)", primary};
+    case Op::f_abs:
+    case Op::i_abs:
+      return {"abs($0)", primary};
+    case Op::f_sign:
+    case Op::i_sign:
+      return {"sign($0)", primary};
+    case Op::f_floor:
+      return {"floor($0)", primary};
+    case Op::f_ceil:
+      return {"ceil($0)", primary};
+    case Op::f_trunc:
+      return {"trunc($0)", primary};
+    case Op::f_round:
+      return {"roundEven($0)", primary};
+    case Op::f_fract:
+      return {"fract($0)", primary};
+    case Op::f_sqrt:
+      return {"sqrt($0)", primary};
+    case Op::f_inversesqrt:
+      return {"inversesqrt($0)", primary};
+    case Op::f_exp:
+      return {"exp($0)", primary};
+    case Op::f_exp2:
+      return {"exp2($0)", primary};
+    case Op::f_log:
+      return {"log($0)", primary};
+    case Op::f_log2:
+      return {"log2($0)", primary};
+    case Op::f_pow:
+      return {"pow($0, $1)", primary};
+    case Op::f_sin:
+      return {"sin($0)", primary};
+    case Op::f_cos:
+      return {"cos($0)", primary};
+    case Op::f_tan:
+      return {"tan($0)", primary};
+    case Op::f_asin:
+      return {"asin($0)", primary};
+    case Op::f_acos:
+      return {"acos($0)", primary};
+    case Op::f_atan:
+      return {"atan($0)", primary};
+    case Op::f_atan2:
+      return {"atan($0, $1)", primary};
+    case Op::f_sinh:
+      return {"sinh($0)", primary};
+    case Op::f_cosh:
+      return {"cosh($0)", primary};
+    case Op::f_tanh:
+      return {"tanh($0)", primary};
+    case Op::f_asinh:
+      return {"asinh($0)", primary};
+    case Op::f_acosh:
+      return {"acosh($0)", primary};
+    case Op::f_atanh:
+      return {"atanh($0)", primary};
+    case Op::f_mix:
+      return {"mix($0, $1, $2)", primary};
+    case Op::f_smoothstep:
+      return {"smoothstep($0, $1, $2)", primary};
+    case Op::f_ldexp:
+      return {"ldexp($0, $1)", primary};
+    case Op::f_frexp_mantissa:
+      return {"frexp($0, $x)", primary};
+    case Op::i_frexp_exponent:
+      return {"frexp($0, $r)", primary};
+
+    case Op::f_eq:
+    case Op::i_eq:
+    case Op::u_eq:
+      return {"$0 == $1", equality};
+    case Op::f_ne:
+    case Op::i_ne:
+    case Op::u_ne:
+      return {"$0 != $1", equality};
+    case Op::f_lt:
+    case Op::i_lt:
+    case Op::u_lt:
+      return {"$0 < $1", relation};
+    case Op::f_le:
+    case Op::i_le:
+    case Op::u_le:
+      return {"$0 <= $1", relation};
+    case Op::f_isnan:
+      return {"isnan($0)", primary};
+    case Op::f_isinf:
+      return {"isinf($0)", primary};
+
+    case Op::f_from_i:
+    case Op::f_from_u:
+      return {"float($0)", primary};
+    case Op::i_from_f:
+    case Op::i_from_u:
+      return {"int($0)", primary};
+    case Op::u_from_f:
+    case Op::u_from_i:
+      return {"uint($0)", primary};
+    case Op::f_from_bits:
+      return {"uintBitsToFloat($0)", primary};
+    case Op::u_from_float_bits:
+      return {"floatBitsToUint($0)", primary};
+    case Op::u_pack_half:
+      return {"packHalf2x16(vec2($0, 0.0))", primary};
+    case Op::f_unpack_half:
+      return {"unpackHalf2x16($0).x", primary};
+
+    case Op::i_rem:
+      return {"$0 - $0 / $1 * $1", sum};  // % of negative operands is open in GLSL
+    case Op::i_mod:
+    case Op::u_mod:
+      return {"$0 % $1", product};
+    case Op::i_shr:
+    case Op::u_shr:
+      return {"$0 >> $1", shift};
+    case Op::u_shl:
+      return {"$0 << $1", shift};
+    case Op::i_mul_high:
+      return {"imulExtended($0, $1, $r, $x)", primary};
+    case Op::u_mul_high:
+      return {"umulExtended($0, $1, $r, $x)", primary};
+    case Op::u_and:
+      return {"$0 & $1", bit_and};
+    case Op::u_or:
+      return {"$0 | $1", bit_or};
+    case Op::u_xor:
+      return {"$0 ^ $1", bit_xor};
+    case Op::u_not:
+      return {"~$0", unary};
+    case Op::u_bit_count:
+      return {"bitCount($0)", primary};
+    case Op::u_reverse:
+      return {"bitfieldReverse($0)", primary};
+    case Op::u_find_lsb:
+      return {"findLSB($0)", primary};
+    case Op::u_find_msb:
+    case Op::i_find_msb:
+      return {"findMSB($0)", primary};
+
+    case Op::b_and:
+      return {"$0 && $1", logic_and};
+    case Op::b_or:
+      return {"$0 || $1", loosest};
+    case Op::b_xor:
+      return {"$0 ^^ $1", logic_xor};
+    case Op::b_not:
+      return {"!$0", unary};
+  }
+  return {"", primary};
+}
+
+std::string_view type_name(Type type) {
+  switch (type) {
+    case Type::real:
+      return "float";
+    case Type::integer:
+      return "int";
+    case Type::unsigned_integer:
+      return "uint";
+    case Type::boolean:
+      return "bool";
+  }
+  return "";
+}
+
+std::string literal(const Constant& constant) {
+  switch (constant.type) {
+    case Type::real: {
+      const auto value = std::bit_cast<float>(constant.bits);
+      return std::isfinite(value) ? glsl_float(value) : fmt::format("uintBitsToFloat({}u)", constant.bits);
+    }
+    case Type::integer:
+      if (constant.bits == 0x80000000u) return "int(2147483648u)";  // a literal has no sign
+      return fmt::format("{}", static_cast<std::int32_t>(constant.bits));
+    case Type::unsigned_integer:
+      return fmt::format("{}u", constant.bits);
+    case Type::boolean:
+      return constant.bits != 0 ? "true" : "false";
+  }
+  return "";
+}
+
+std::string zero(Type type) { return literal({type, 0}); }
+
+/// Does control never come to the end of a sequence?
+bool never_ends(const Sequence& sequence) {
+  if (sequence.empty()) return false;
+  const Node& last = sequence.back();
+  if (last.kind == Node::Kind::leave || last.kind == Node::Kind::repeat) return true;
+  return last.kind == Node::Kind::branch && never_ends(last.body) && never_ends(last.other);
+}
+
+bool leaves(const Sequence& sequence) {
+  return std::ranges::any_of(sequence, [](const Node& node) {
+    if (node.kind == Node::Kind::leave) return true;
+    return node.kind == Node::Kind::branch && (leaves(node.body) || leaves(node.other));
+  });
+}
+
+/// Turns `if (c) { A; break; } B` into `if (c) A else B`, in a sequence with which its block ends: a switch for every
+/// early return would cost the driver more. Exits for which that does not suffice stay.
+void nest(Sequence& sequence, int depth) {
+  for (std::size_t i = 0; i < sequence.size(); ++i) {
+    Node& node = sequence[i];
+    if (node.kind == Node::Kind::leave) return sequence.resize(i);
+    if (node.kind != Node::Kind::branch || !(leaves(node.body) || leaves(node.other))) continue;
+    const bool left = never_ends(node.body), right = never_ends(node.other), is_last = i + 1 == sequence.size();
+    if (depth > most_nested || !(left || right || is_last)) return;
+    Sequence& takes_rest = left ? node.other : node.body;
+    takes_rest.insert(takes_rest.end(), std::make_move_iterator(sequence.begin() + static_cast<std::ptrdiff_t>(i) + 1),
+                      std::make_move_iterator(sequence.end()));
+    nest(node.body, depth + 1);
+    nest(node.other, depth + 1);
+    return sequence.resize(i + 1);
+  }
+}
+
+class Emitter {
+ public:
+  /// Results are registers to be read after the last statement, each by one call of `result`.
+  Emitter(const Program& program, std::span<const Hoisted> hoisted, std::span<const Register> results,
+          std::string_view indentation)
+      : program_(program),
+        hoisted_(hoisted),
+        indentation_(indentation),
+        uses_(program_.register_count() + hoisted.size(), 0) {
+    count_uses(program_.body);
+    find_first_mentions(program_.body, true);
+    for (const Register r : results) {
+      ++uses_[r];
+      mention(r, no_instruction, true);
+    }
+    find_initial_elements();
+  }
+
+  std::string statements(std::size_t first_time_value) {
+    declare_time_values(first_time_value);
+    declare_arrays();
+    declare_variables();
+    sequence(program_.body);
+    return std::move(text_);
+  }
+
+  std::string result(Register r) { return operand(r, loosest); }
+
+ private:
+  struct Expression {
+    std::string text;
+    int rank = primary;
+    std::vector<Register> reads;  ///< variables; arrays come after all registers
+  };
+
+  // ---- what is used, and where first ----
+
+  void count_uses(const Sequence& nodes) {
+    for (const Node& node : nodes) {
+      for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+        const Instruction& instruction = program_.instructions[i];
+        const std::string_view letters = info(instruction.op).operands;
+        for (std::size_t k = 0; k < letters.size(); ++k) {
+          if (letters[k] != 'a') ++uses_[instruction.operands[k]];
+          if (letters[k] == 'a') array_used(instruction.operands[k]);
+        }
+      }
+      if (node.kind == Node::Kind::branch) ++uses_[node.condition];
+      count_uses(node.body);
+      count_uses(node.other);
+    }
+  }
+
+  void array_used(Register array) {
+    elements_.resize(program_.arrays.size());
+    elements_[array].resize(program_.arrays[array].size, zero(program_.arrays[array].type));
+  }
+
+  /// Stores of known values to known places, before anything is loaded or decided, become initialisers.
+  void find_initial_elements() {
+    std::vector<bool> closed(program_.arrays.size(), false);
+    for (const Node& node : program_.body) {
+      if (node.kind != Node::Kind::run) return;
+      for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+        const Instruction& instruction = program_.instructions[i];
+        const OpInfo& table = info(instruction.op);
+        if (table.operands.empty() || table.operands[0] != 'a') continue;
+        const auto [array, index, value] = instruction.operands;
+        const bool known = table.result == '-' && program_.is_constant(index) &&
+                           program_.constant(index).bits < program_.arrays[array].size &&
+                           (value >= program_.register_count() || program_.is_constant(value));
+        if (!known) closed[array] = true;
+        if (closed[array]) continue;
+        elements_[array][program_.constant(index).bits] = named(value).text;
+        is_initial_.insert(i);
+      }
+    }
+  }
+
+  /// A variable whose first mention is an assignment outside of all control flow is declared there.
+  void find_first_mentions(const Sequence& nodes, bool outermost) {
+    mentioned_.resize(program_.register_count(), false);
+    starts_at_.resize(program_.register_count(), no_instruction);
+    for (const Node& node : nodes) {
+      for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+        const Instruction& instruction = program_.instructions[i];
+        const OpInfo& table = info(instruction.op);
+        for (std::size_t k = 0; k < table.operands.size(); ++k) {
+          if (table.operands[k] != 'a') mention(instruction.operands[k], no_instruction, outermost);
+        }
+        if (table.result != '-') mention(instruction.result, i, outermost);
+      }
+      if (node.kind == Node::Kind::branch) mention(node.condition, no_instruction, outermost);
+      find_first_mentions(node.body, false);
+      find_first_mentions(node.other, false);
+    }
+  }
+
+  void mention(Register r, std::uint32_t assigned_by, bool outermost) {
+    if (r >= program_.register_count() || !program_.is_variable(r) || mentioned_[r]) return;
+    mentioned_[r] = true;
+    if (outermost) starts_at_[r] = assigned_by;
+  }
+
+  // ---- declarations ----
+
+  void declare_time_values(std::size_t first) {
+    for (std::size_t k = 0; k < hoisted_.size(); ++k) {
+      const std::size_t slot = first + hoisted_[k].first_slot;
+      switch (hoisted_[k].type) {
+        case Type::real:
+          line("float t{} = time_values[{}];", k, slot);
+          break;
+        case Type::boolean:
+          line("bool t{} = time_values[{}] != 0.0;", k, slot);
+          break;
+        case Type::integer:
+          line("int t{} = int(time_values[{}]) * 65536 + int(time_values[{}]);", k, slot, slot + 1);
+          break;
+        case Type::unsigned_integer:
+          line("uint t{} = uint(time_values[{}]) * 65536u + uint(time_values[{}]);", k, slot, slot + 1);
+          break;
+      }
+    }
+  }
+
+  void declare_arrays() {
+    for (std::size_t a = 0; a < elements_.size(); ++a) {
+      if (elements_[a].empty()) continue;
+      line("{0} a{1}[{2}] = {0}[{2}]({3});", type_name(program_.arrays[a].type), a, elements_[a].size(),
+           fmt::join(elements_[a], ", "));
+    }
+  }
+
+  void declare_variables() {
+    for (const Type type : {Type::real, Type::integer, Type::unsigned_integer, Type::boolean}) {
+      std::string names;
+      for (std::size_t v = 0; v < program_.variables.size(); ++v) {
+        const Register r = program_.first_variable() + static_cast<Register>(v);
+        if (program_.variables[v] != type || !mentioned_[r] || starts_at_[r] != no_instruction) continue;
+        names += fmt::format("{}v{} = {}", names.empty() ? "" : ", ", v, zero(type));
+      }
+      if (!names.empty()) line("{} {};", type_name(type), names);
+    }
+  }
+
+  // ---- operands ----
+
+  Expression named(Register r) const {
+    if (r >= program_.register_count()) return {fmt::format("t{}", r - program_.register_count()), primary, {}};
+    if (program_.is_constant(r)) {
+      std::string text = literal(program_.constant(r));
+      const int rank = text[0] == '-' ? unary : primary;
+      return {std::move(text), rank, {}};
+    }
+    if (program_.is_variable(r)) return {fmt::format("v{}", r - program_.first_variable()), primary, {r}};
+    if (program_.is_temporary(r)) return {fmt::format("r{}", r - program_.first_temporary()), primary, {}};
+    return {r == Program::t ? "t" : fmt::format("p.{}", "xyz"[r]), primary, {}};
+  }
+
+  Expression take(Register r) {
+    const auto waiting = waiting_.find(r);
+    if (waiting == waiting_.end()) return named(r);
+    Expression expression = std::move(waiting->second);
+    waiting_.erase(waiting);
+    return expression;
+  }
+
+  static std::string wrapped(const Expression& expression, int loosest_rank) {
+    return expression.rank <= loosest_rank ? expression.text : "(" + expression.text + ")";
+  }
+
+  std::string operand(Register r, int loosest_rank) { return wrapped(take(r), loosest_rank); }
+
+  /// Gives a waiting expression its own line, so that it can be named twice.
+  void settle(Register r) {
+    const auto waiting = waiting_.find(r);
+    if (waiting == waiting_.end()) return;
+    declare(r, waiting->second.text);
+    waiting_.erase(waiting);
+  }
+
+  void settle_all() {
+    while (!waiting_.empty()) settle(waiting_.begin()->first);
+  }
+
+  /// Before a variable (or array) changes: what reads it and still waits.
+  void settle_readers(Register changed) {
+    std::vector<Register> readers;
+    for (const auto& [r, expression] : waiting_) {
+      if (std::ranges::find(expression.reads, changed) != expression.reads.end()) readers.push_back(r);
+    }
+    for (const Register r : readers) settle(r);
+  }
+
+  void declare(Register r, const std::string& value) {
+    line("{} {} = {};", type_name(program_.type(r)), named(r).text, value);
+  }
+
+  // ---- instructions ----
+
+  Expression expression_of(const Instruction& instruction) {
+    const Form form = form_of(instruction.op);
+    Expression made{"", form.rank, {}};
+    std::array<std::string, 3> operands;
+    const std::size_t count = info(instruction.op).operands.size();
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::string placeholder = {'$', static_cast<char>('0' + k)};
+      if (form.pattern.find(placeholder) != form.pattern.rfind(placeholder)) settle(instruction.operands[k]);
+      Expression part = take(instruction.operands[k]);
+      if (form.pattern == "$0") made.rank = part.rank;
+      const int infix = form.rank - (k == 0 ? 0 : 1);
+      operands[k] = wrapped(part, form.rank == primary ? loosest : form.rank == unary ? primary : infix);
+      made.reads.insert(made.reads.end(), part.reads.begin(), part.reads.end());
+    }
+    made.text = filled(form.pattern, operands, instruction.result);
+    return made;
+  }
+
+  std::string filled(std::string_view pattern, const std::array<std::string, 3>& operands, Register result) const {
+    std::string text;
+    for (std::size_t i = 0; i < pattern.size(); ++i) {
+      if (pattern[i] != '$') {
+        text += pattern[i];
+        continue;
+      }
+      const char which = pattern[++i];
+      if (which == 'r' || which == 'x')
+        text += named(result).text + (which == 'x' ? "_x" : "");
+      else
+        text += operands[static_cast<std::size_t>(which - '0')];
+    }
+    return text;
+  }
+
+  /// An element of an array; an index that is not known to lie inside is clamped.
+  Expression element(Register array, Register index) {
+    const std::uint32_t last = program_.arrays[array].size - 1;
+    Expression at = take(index);
+    const bool known = program_.is_constant(index) && program_.constant(index).bits <= last;
+    if (!known) at.text = fmt::format("clamp({}, 0, {})", at.text, last);
+    at.reads.push_back(program_.register_count() + array);
+    return {fmt::format("a{}[{}]", array, at.text), primary, std::move(at.reads)};
+  }
+
+  void emit(std::uint32_t i) {
+    const Instruction& instruction = program_.instructions[i];
+    const OpInfo& table = info(instruction.op);
+    if (table.result == '-') return is_initial_.contains(i) ? void() : store(instruction);
+    const Form form = form_of(instruction.op);
+    if (form.pattern.find("$x") != std::string_view::npos || form.pattern.find("$r") != std::string_view::npos) {
+      return call_with_results(instruction, i);
+    }
+    const bool is_load = table.operands[0] == 'a';
+    Expression value = is_load ? element(instruction.operands[0], instruction.operands[1]) : expression_of(instruction);
+    if (program_.is_variable(instruction.result)) return assign(instruction.result, value.text, i);
+    if (uses_[instruction.result] == 1 && value.text.size() <= longest_inlined) {
+      waiting_.emplace(instruction.result, std::move(value));
+    } else {
+      declare(instruction.result, value.text);
+    }
+  }
+
+  void assign(Register variable, const std::string& value, std::uint32_t i) {
+    settle_readers(variable);
+    if (starts_at_[variable] == i) return declare(variable, value);
+    line("{} = {};", named(variable).text, value);
+  }
+
+  void store(const Instruction& instruction) {
+    const Register array = instruction.operands[0];
+    const Expression place = element(array, instruction.operands[1]);
+    const std::string value = operand(instruction.operands[2], loosest);
+    settle_readers(program_.register_count() + array);
+    line("{} = {};", place.text, value);
+  }
+
+  /// Operations that GLSL gives back by parameters: to $r, and to $x what is not wanted.
+  void call_with_results(const Instruction& instruction, std::uint32_t i) {
+    const std::string call = expression_of(instruction).text;
+    const Register r = instruction.result;
+    const bool returns = instruction.op == Op::f_frexp_mantissa;
+    const Type other = returns ? Type::integer : program_.type(r);
+    if (program_.is_variable(r)) settle_readers(r);
+    if (call.find(named(r).text + "_x") != std::string::npos) line("{} {}_x;", type_name(other), named(r).text);
+    const bool is_declared = program_.is_variable(r) && starts_at_[r] != i;
+    if (returns) return is_declared ? line("{} = {};", named(r).text, call) : declare(r, call);
+    if (!is_declared) line("{} {};", type_name(program_.type(r)), named(r).text);
+    line("{};", call);
+  }
+
+  // ---- control flow ----
+
+  void sequence(const Sequence& nodes) {
+    for (const Node& node : nodes) {
+      switch (node.kind) {
+        case Node::Kind::run:
+          for (std::uint32_t i = node.first; i < node.first + node.count; ++i) emit(i);
+          break;
+        case Node::Kind::branch:
+          branch(node);
+          break;
+        case Node::Kind::loop:
+          loop(node);
+          break;
+        case Node::Kind::block:
+          block(node);
+          break;
+        case Node::Kind::leave:
+          return line("break;");
+        case Node::Kind::repeat:
+          return line("continue;");
+      }
+    }
+  }
+
+  void inside(const Sequence& nodes) {
+    ++depth_;
+    sequence(nodes);
+    settle_all();
+    --depth_;
+  }
+
+  static bool is_exit(const Sequence& nodes) {
+    return nodes.size() == 1 && (nodes[0].kind == Node::Kind::leave || nodes[0].kind == Node::Kind::repeat);
+  }
+
+  static std::string_view exit_of(const Sequence& nodes) {
+    return nodes[0].kind == Node::Kind::leave ? "break;" : "continue;";
+  }
+
+  void branch(const Node& node) {
+    const Expression condition = take(node.condition);
+    settle_all();
+    if (node.body.empty() && node.other.empty()) return;
+    const std::string negated = "!" + wrapped(condition, primary);
+    if (node.other.empty() && is_exit(node.body)) {
+      return line("if ({}) {}", condition.text, exit_of(node.body));
+    }
+    if (node.body.empty() && is_exit(node.other)) return line("if ({}) {}", negated, exit_of(node.other));
+    if (node.body.empty()) {
+      line("if ({}) {{", negated);
+      inside(node.other);
+    } else {
+      line("if ({}) {{", condition.text);
+      inside(node.body);
+      if (!node.other.empty()) {
+        line("}} else {{");
+        inside(node.other);
+      }
+    }
+    line("}}");
+  }
+
+  /// The continuing part follows the body; where something repeats the loop from within, it stands before the next
+  /// round instead, which comes to the same.
+  void loop(const Node& node) {
+    settle_all();
+    const int round = loops_++;
+    line("for (int g{0} = 0; g{0} < {1}; ++g{0}) {{", round, most_rounds);
+    const bool first = !node.other.empty() && repeats(node.body);
+    if (first) {
+      ++depth_;
+      line("if (g{} > 0) {{", round);
+      inside(node.other);
+      line("}}");
+      --depth_;
+    }
+    inside(node.body);
+    if (!first) inside(node.other);
+    line("}}");
+  }
+
+  static bool repeats(const Sequence& nodes) {
+    return std::ranges::any_of(nodes, [](const Node& node) {
+      if (node.kind == Node::Kind::loop) return false;
+      return node.kind == Node::Kind::repeat || repeats(node.body) || repeats(node.other);
+    });
+  }
+
+  void block(const Node& node) {
+    Sequence body = node.body;
+    nest(body, 0);
+    if (!leaves(body)) return sequence(body);
+    settle_all();
+    line("switch (0) {{");
+    line("default:");
+    inside(body);
+    line("}}");
+  }
+
+  template <class... Parts>
+  void line(fmt::format_string<Parts...> format, Parts&&... parts) {
+    text_ += indentation_;
+    text_.append(static_cast<std::size_t>(2 * depth_), ' ');
+    text_ += fmt::format(format, std::forward<Parts>(parts)...);
+    text_ += '\n';
+  }
+
+  static constexpr std::uint32_t no_instruction = ~0u;
+
+  const Program& program_;
+  std::span<const Hoisted> hoisted_;
+  std::string_view indentation_;
+  std::vector<std::uint32_t> uses_;
+  std::vector<std::vector<std::string>> elements_;  ///< of the arrays in use, at the start
+  std::set<std::uint32_t> is_initial_;              ///< stores that are initialisers
+  std::vector<bool> mentioned_;                     ///< variables
+  std::vector<std::uint32_t> starts_at_;            ///< of a variable: the assignment that declares it
+  std::map<Register, Expression> waiting_;          ///< temporaries to be written where they are used
+  std::string text_;
+  int depth_ = 0;
+  int loops_ = 0;
+};
+
+/// How the time values are computed, as comments: snippets whose texts are equal have equal time values as well.
+std::string schedule_text(const TimeSplit& split) {
+  std::vector<Register> results;
+  for (const TimeSlot& slot : split.slots) results.push_back(slot.result);
+  Emitter emitter(split.schedule, {}, results, "  //   ");
+  std::string text = "  // Computed beforehand from t:\n" + emitter.statements(0);
+  for (std::size_t k = 0; k < split.slots.size(); ++k) {
+    constexpr std::string_view reduced[] = {"", ", mod 2 pi", ", mod 1"};
+    text += fmt::format("  //   {}: {}{}\n", k, emitter.result(split.slots[k].result),
+                        reduced[static_cast<std::size_t>(split.slots[k].period)]);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string Snippet::glsl(std::string_view name, std::size_t first_time_value) const {
+  const TimeSplit split = split_time(*program_);
+  Emitter emitter(split.residual, split.hoisted, {&split.residual.result, 1}, "  ");
+  std::string text = fmt::format("float {}(vec3 p) {{\n", name);
+  if (!split.slots.empty()) text += schedule_text(split);
+  text += emitter.statements(first_time_value);
+  return text + fmt::format("  return {};\n}}\n", emitter.result(split.residual.result));
+}
+
+}  // namespace dmvv::compiler::snippet

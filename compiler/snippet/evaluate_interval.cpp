@@ -1,0 +1,227 @@
+// A program over a box. Where a condition is not decided both ways are taken and joined; so a state may leave a loop
+// and stay in it at once, and what has left waits until the rest is out.
+#include <bit>
+#include <optional>
+
+#include "compiler/snippet/evaluate.h"
+#include "compiler/snippet/interval.h"
+#include "compiler/snippet/machine.h"
+
+namespace dmvv::compiler::snippet {
+
+namespace {
+
+/// Rounds of a loop that some part of the box may already have left.
+constexpr int max_undecided_rounds = 64;
+
+template <class Domain>
+class BoxMachine {
+ public:
+  using Cells = std::vector<Cell<Domain>>;
+
+  BoxMachine(const Program& program, const std::array<Interval, Program::input_count>& inputs)
+      : program_(program), cells_(program.register_count()), starts_(array_starts(program)) {
+    for (Cell<Domain>& cell : cells_) cell.f = Interval{0.0, 0.0};
+    for (Register r = 0; r < Program::input_count; ++r) cells_[r].f = Domain::input(inputs[r]);
+    for (std::size_t k = 0; k < program.constants.size(); ++k) {
+      cells_[program.first_constant() + k] = constant(program.constants[k]);
+    }
+    Cell<Domain> zero;
+    zero.f = Interval{0.0, 0.0};
+    memory_.assign(starts_.back(), zero);
+  }
+
+  Interval run() {
+    run(program_.body);
+    return gave_up_ || !alive_ ? unknown_interval : cells_[program_.result].f;
+  }
+
+ private:
+  /// What differs between two ways to the same place.
+  struct State {
+    Cells variables;
+    Cells memory;
+  };
+  /// Where states wait that have left a loop or block, or begin its next round.
+  struct Construct {
+    bool is_loop;
+    std::optional<State> left;
+    std::optional<State> repeated;
+  };
+
+  static Cell<Domain> constant(const Constant& constant) {
+    Cell<Domain> cell;
+    const float value = std::bit_cast<float>(constant.bits);
+    const bool is_real = constant.type == Type::real;
+    cell.f = is_real ? Interval{value, value} : Interval{0.0, 0.0};
+    if (is_real && std::isnan(value)) cell.f = unknown_interval;
+    const bool is_signed = constant.type == Type::integer;
+    const std::int64_t whole = is_signed ? std::int64_t{static_cast<std::int32_t>(constant.bits)} : constant.bits;
+    cell.i = {whole, whole};
+    return cell;
+  }
+
+  // ---- states ----
+
+  State state() {
+    spend(program_.variables.size() + memory_.size());
+    const auto first = cells_.begin() + program_.first_variable();
+    return {{first, first + static_cast<std::ptrdiff_t>(program_.variables.size())}, memory_};
+  }
+  void restore(const State& state) {
+    std::copy(state.variables.begin(), state.variables.end(), cells_.begin() + program_.first_variable());
+    memory_ = state.memory;
+  }
+  static void join(Cell<Domain>& into, const Cell<Domain>& other) {
+    into = {hull(into.f, other.f), hull(into.i, other.i)};
+  }
+  /// Adds a state to the current one.
+  void join(const State& other) {
+    spend(other.variables.size() + other.memory.size());
+    Cell<Domain>* variables = cells_.data() + program_.first_variable();
+    for (std::size_t k = 0; k < other.variables.size(); ++k) join(variables[k], other.variables[k]);
+    for (std::size_t k = 0; k < other.memory.size(); ++k) join(memory_[k], other.memory[k]);
+  }
+  void resume(std::optional<State>& waiting) {
+    if (!waiting) return;
+    if (alive_) join(*waiting);
+    if (!alive_) restore(*waiting);
+    alive_ = true;
+    waiting.reset();
+  }
+  void wait_in(std::optional<State>& place) {
+    if (!alive_) return;
+    if (place) join(*place);
+    place = state();
+    alive_ = false;
+  }
+
+  void spend(std::size_t steps) {
+    steps_ += steps;
+    gave_up_ |= steps_ > Snippet::step_budget;
+  }
+
+  // ---- control flow; alive_: some state has come this far and has not left ----
+
+  void run(const Sequence& sequence) {
+    for (const Node& node : sequence) {
+      if (!alive_ || gave_up_) return;
+      spend(1);
+      run(node);
+    }
+  }
+
+  void run(const Node& node) {
+    switch (node.kind) {
+      case Node::Kind::run: run_instructions(node); break;
+      case Node::Kind::branch: run_branch(node); break;
+      case Node::Kind::block:
+        constructs_.push_back({.is_loop = false, .left = {}, .repeated = {}});
+        run(node.body);
+        end_construct();
+        break;
+      case Node::Kind::loop: run_loop(node); break;
+      case Node::Kind::leave: wait_in(constructs_.back().left); break;
+      case Node::Kind::repeat: wait_in(innermost_loop().repeated); break;
+    }
+  }
+
+  void end_construct() {
+    std::optional<State> left = std::move(constructs_.back().left);
+    constructs_.pop_back();
+    resume(left);
+  }
+
+  Construct& innermost_loop() {
+    std::size_t k = constructs_.size() - 1;
+    while (!constructs_[k].is_loop) --k;
+    return constructs_[k];
+  }
+
+  void run_branch(const Node& branch) {
+    const IntegerInterval condition = cells_[branch.condition].i;
+    if (condition.is_point()) return run(condition.lo != 0 ? branch.body : branch.other);
+    const State before = state();
+    run(branch.body);
+    std::optional<State> after_body;
+    wait_in(after_body);
+    restore(before);
+    alive_ = true;
+    run(branch.other);
+    resume(after_body);
+  }
+
+  void run_loop(const Node& loop) {
+    constructs_.push_back({.is_loop = true, .left = {}, .repeated = {}});
+    for (int undecided = 0; alive_ && !gave_up_; spend(1)) {
+      run(loop.body);
+      std::optional<State> repeated = std::move(constructs_.back().repeated);
+      constructs_.back().repeated.reset();
+      resume(repeated);
+      run(loop.other);
+      if (alive_ && constructs_.back().left && ++undecided > max_undecided_rounds) gave_up_ = true;
+    }
+    end_construct();
+  }
+
+  // ---- instructions ----
+
+  void run_instructions(const Node& node) {
+    spend(node.count);
+    for (std::uint32_t k = node.first; k < node.first + node.count; ++k) {
+      const Instruction& instruction = program_.instructions[k];
+      if (is_load(instruction.op)) {
+        load(instruction);
+      } else if (is_store(instruction.op)) {
+        store(instruction);
+      } else if (instruction.op == Op::f_mul && instruction.operands[0] == instruction.operands[1]) {
+        cells_[instruction.result].f = Domain::square(cells_[instruction.operands[0]].f);
+      } else {
+        execute<Domain>(instruction, cells_.data());
+      }
+    }
+  }
+
+  /// The elements an index may mean: cells [first, last] of memory_.
+  std::pair<std::size_t, std::size_t> elements(const Instruction& instruction) {
+    const Register array = instruction.operands[0];
+    const IntegerInterval index = cells_[instruction.operands[1]].i;
+    const std::int64_t last = std::int64_t{program_.arrays[array].size} - 1;
+    const auto clamped = [&](std::int64_t i) { return static_cast<std::size_t>(std::clamp<std::int64_t>(i, 0, last)); };
+    spend(clamped(index.hi) - clamped(index.lo));
+    return {starts_[array] + clamped(index.lo), starts_[array] + clamped(index.hi)};
+  }
+
+  void load(const Instruction& instruction) {
+    const auto [first, last] = elements(instruction);
+    Cell<Domain> value = memory_[first];
+    for (std::size_t k = first + 1; k <= last; ++k) join(value, memory_[k]);
+    cells_[instruction.result] = value;
+  }
+
+  void store(const Instruction& instruction) {
+    const auto [first, last] = elements(instruction);
+    const Cell<Domain>& value = cells_[instruction.operands[2]];
+    if (first == last) memory_[first] = value;
+    for (std::size_t k = first; first != last && k <= last; ++k) join(memory_[k], value);
+  }
+
+  const Program& program_;
+  Cells cells_;
+  std::vector<std::size_t> starts_;
+  Cells memory_;
+  std::vector<Construct> constructs_;
+  bool alive_ = true;
+  bool gave_up_ = false;
+  std::uint64_t steps_ = 0;
+};
+
+}  // namespace
+
+Interval evaluate_box(const Program& program, const std::array<Interval, Program::input_count>& inputs,
+                      Rounding rounding) {
+  if (rounding == Rounding::real) return BoxMachine<IntervalDomain<Rounding::real>>(program, inputs).run();
+  return BoxMachine<IntervalDomain<Rounding::float32>>(program, inputs).run();
+}
+
+}  // namespace dmvv::compiler::snippet

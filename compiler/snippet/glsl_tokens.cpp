@@ -1,0 +1,102 @@
+#include "compiler/snippet/glsl_tokens.h"
+
+#include <algorithm>
+#include <array>
+
+namespace dmvv::compiler::snippet {
+namespace {
+
+constexpr std::array<std::string_view, 45> operators = {
+    "<<=", ">>=", "<=", ">=", "==", "!=", "&&", "||", "^^", "++", "--", "+=", "-=", "*=", "/=",
+    "%=",  "&=",  "|=", "^=", "<<", ">>", "(",  ")",  "[",  "]",  "{",  "}",  ".",  ",",  ";",
+    ":",   "?",   "+",  "-",  "*",  "/",  "%",  "<",  ">",  "=",  "!",  "&",  "|",  "^",  "~"};
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+bool continues_code_point(char c) { return (static_cast<unsigned char>(c) & 0xc0u) == 0x80u; }
+
+class Tokenizer {
+ public:
+  Tokenizer(std::string_view glsl, std::uint32_t text) : glsl_(glsl), text_(text) {}
+
+  std::vector<Token> run() {
+    while (skip_blanks()) {
+      const std::size_t begin = at_;
+      const Token::Kind kind = read_token();
+      const std::string_view word = glsl_.substr(begin, at_ - begin);
+      tokens_.push_back({kind, word, word, text_, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(at_), line_});
+    }
+    return std::move(tokens_);
+  }
+
+ private:
+  bool starts_with(std::string_view word) const { return glsl_.substr(at_).starts_with(word); }
+  char peek() const { return at_ < glsl_.size() ? glsl_[at_] : '\0'; }
+
+  /// Past blanks, line ends and comments. False at the end of the text.
+  bool skip_blanks() {
+    while (at_ < glsl_.size()) {
+      if (starts_with("\\\n")) {
+        at_ += 2;
+      } else if (peek() == '\n') {
+        ++line_;
+        ++at_;
+      } else if (peek() == ' ' || peek() == '\t' || peek() == '\r' || peek() == '\v' || peek() == '\f') {
+        ++at_;
+      } else if (starts_with("//")) {
+        at_ = std::min(glsl_.find('\n', at_), glsl_.size());
+      } else if (starts_with("/*")) {
+        const std::size_t end = glsl_.find("*/", at_ + 2);
+        if (end == std::string_view::npos) return true;
+        at_ = end + 2;
+      } else {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  Token::Kind read_token() {
+    if (is_letter(peek())) {
+      while (is_letter(peek()) || is_digit(peek())) ++at_;
+      return Token::Kind::identifier;
+    }
+    if (is_digit(peek()) || (peek() == '.' && at_ + 1 < glsl_.size() && is_digit(glsl_[at_ + 1]))) {
+      read_number();
+      return Token::Kind::number;
+    }
+    if (starts_with("/*")) {
+      at_ = glsl_.size();
+      return Token::Kind::other;
+    }
+    const auto known = std::find_if(operators.begin(), operators.end(), [&](auto word) { return starts_with(word); });
+    at_ += known != operators.end() ? known->size() : 1;
+    while (known == operators.end() && at_ < glsl_.size() && continues_code_point(glsl_[at_])) ++at_;
+    return Token::Kind::other;
+  }
+
+  void read_number() {
+    const bool hex = starts_with("0x") || starts_with("0X");
+    while (is_letter(peek()) || is_digit(peek()) || peek() == '.') {
+      const bool exponent = !hex && (peek() == 'e' || peek() == 'E');
+      ++at_;
+      if (exponent && (peek() == '+' || peek() == '-')) ++at_;
+    }
+  }
+
+  std::string_view glsl_;
+  std::uint32_t text_;
+  std::size_t at_ = 0;
+  std::uint32_t line_ = 0;
+  std::vector<Token> tokens_;
+};
+
+}  // namespace
+
+std::vector<Token> tokenize(std::string_view glsl, std::uint32_t text) { return Tokenizer(glsl, text).run(); }
+
+bool is_operator(std::string_view word) {
+  return std::find(operators.begin(), operators.end(), word) != operators.end();
+}
+
+}  // namespace dmvv::compiler::snippet

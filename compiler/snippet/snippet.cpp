@@ -1,0 +1,40 @@
+#include "compiler/snippet/snippet.h"
+
+#include <algorithm>
+
+#include "compiler/snippet/evaluate.h"
+
+namespace dmvv::compiler::snippet {
+
+Snippet::Snippet(std::shared_ptr<const Program> program) : program_(std::move(program)) {}
+
+bool Snippet::uses_time() const {
+  return program_->result == Program::t ||
+         std::any_of(program_->instructions.begin(), program_->instructions.end(), [](const Instruction& instruction) {
+           const std::string_view letters = info(instruction.op).operands;
+           for (std::size_t i = 0; i < letters.size(); ++i) {
+             if (letters[i] != 'a' && instruction.operands[i] == Program::t) return true;
+           }
+           return false;
+         });
+}
+
+std::size_t Snippet::instruction_count() const { return program_->instructions.size(); }
+
+Value Snippet::evaluate(const glm::dvec3& p, double t_ms) const {
+  const auto result = evaluate_point<double>(*program_, {p.x, p.y, p.z, t_ms});
+  return {result.f, result.finished};
+}
+
+Interval Snippet::evaluate(const Box& p, const Interval& t_ms, Rounding rounding) const {
+  return evaluate_box(*program_, {Interval{p.lo.x, p.hi.x}, {p.lo.y, p.hi.y}, {p.lo.z, p.hi.z}, t_ms}, rounding);
+}
+
+Dual Snippet::differentiate(const glm::dvec3& p, double t_ms) const {
+  const std::array<DualNumber, Program::input_count> inputs{DualNumber(p.x, {1, 0, 0, 0}), {p.y, {0, 1, 0, 0}},
+                                                            {p.z, {0, 0, 1, 0}}, {t_ms, {0, 0, 0, 1}}};
+  const DualNumber f = evaluate_point<DualNumber>(*program_, inputs).f;
+  return {f.value, {f.d[0], f.d[1], f.d[2]}, f.d[3]};
+}
+
+}  // namespace dmvv::compiler::snippet

@@ -1,0 +1,98 @@
+// A snippet of GLSL, understood: compiled by glslang, read back as a small program, evaluated on the CPU over doubles,
+// intervals and dual numbers, and written out again as GLSL.
+//
+//   body text + what it may call --glslang--> SPIR-V --spirv-opt, read--> Program --> double | interval | dual | GLSL
+//
+// Whatever evaluates a snippet evaluates the same Program: names, helper functions and legacy spellings are gone by then.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "voml/scene.h"
+
+namespace dmvv::compiler::snippet {
+
+/// A closed interval of reals, and whether a NaN is possible as well. Unknown is (-inf, inf) with NaN.
+struct Interval {
+  double lo;
+  double hi;
+  bool maybe_nan = false;
+};
+
+/// What interval results must enclose.
+enum class Rounding : std::uint8_t {
+  real,     ///< the real-valued function (and its double evaluation): bounds rounded outward in double
+  float32,  ///< also every float32 evaluation on a device: each operation widened by its permitted error
+};
+
+struct Box {
+  glm::dvec3 lo;
+  glm::dvec3 hi;
+};
+
+struct Dual {
+  double value;
+  glm::dvec3 gradient;  ///< by p
+  double rate;          ///< by t, a millisecond
+};
+
+/// The result of a point evaluation.
+struct Value {
+  double f;
+  bool finished;  ///< false: a loop did not end within the step budget; f is NaN
+};
+
+struct Program;
+
+/// An immutable snippet `float f(vec3 p, float t)`; cheap to copy, thread-safe.
+class Snippet {
+ public:
+  /// Instructions one evaluation may execute before it counts as a loop that does not end.
+  static constexpr std::uint64_t step_budget = 1u << 20;
+
+  explicit Snippet(std::shared_ptr<const Program> program);
+
+  bool uses_time() const;
+  std::size_t instruction_count() const;
+
+  /// In double. Cost: some 10 ns an instruction.
+  Value evaluate(const glm::dvec3& p, double t_ms) const;
+
+  /// Encloses f over the box and the span of time. Branches whose condition is not decided are joined; a loop that is
+  /// not decided within the budget, or an instruction that is not understood, gives the unknown interval: never wrong.
+  Interval evaluate(const Box& p, const Interval& t_ms, Rounding rounding) const;
+
+  /// Value and derivatives by forward differentiation. At kinks one of the one-sided derivatives.
+  Dual differentiate(const glm::dvec3& p, double t_ms) const;
+
+  /// What depends on t alone, computed in double and rounded once: an hour is 3,600,000 ms, where float32 steps by
+  /// 0.25 ms, so t itself never reaches a shader.
+  std::vector<float> time_values(double t_ms) const;
+  std::size_t time_value_count() const;
+
+  /// The snippet as GLSL: `float NAME(vec3 p) { ... }`. Value k of time_values is read as `time_values[FIRST + k]`.
+  /// Self-contained but for `time_values`; names inside cannot clash. Equal programs give equal text but for NAME and
+  /// FIRST.
+  std::string glsl(std::string_view name, std::size_t first_time_value) const;
+
+ private:
+  std::shared_ptr<const Program> program_;
+};
+
+/// Compiles a function of a scene together with the FUNCTIONS blocks it may use and the library it includes.
+///
+/// Errors, at their place in the VOML file (voml::Function::pieces): E0401 a syntax or type error of GLSL, E0402 an
+/// unknown function or name (with a suggestion), E0403 a path without return, or a wrong return type, E0404 something
+/// that a distance function cannot use (samplers, derivatives, images, barriers, discard, gl_ variables) with the
+/// reason, E0405 recursion, E0406 a loop that does not end (with the point and time at which it ran away; probed at
+/// fixed points of the cube and times).
+/// Warnings: W0401 NaN or infinite at a probed point (the witness).
+std::optional<Snippet> compile_snippet(const voml::Function& function, Diagnostics& diagnostics);
+
+}  // namespace dmvv::compiler::snippet

@@ -1,0 +1,64 @@
+// dmvv seeds: from a molecule's file to seed files and a scene.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "tests/cli/program.h"
+
+using namespace dmvv::test;
+
+namespace {
+
+// Carbon and oxygen 2 A apart along x; a water.
+const char* const carbonyl =
+    "ATOM      1  C   GLY A   1      10.000   0.000   0.000  1.00 20.00           C  \n"
+    "ATOM      2  O   GLY A   1      12.000   0.000   0.000  1.00 20.00           O  \n"
+    "HETATM    3  O   HOH A   2      40.000   0.000   0.000  1.00 20.00           O  \n"
+    "END\n";
+
+}  // namespace
+
+TEST_CASE("seeds by element in fractions of the edge, the scale reported, a scene that holds no mistake") {
+  const Folder folder;
+  const Run run = run_dmvv({"seeds", folder.write("co.pdb", carbonyl), "-o", folder.file("co"), "--voml"});
+  CAPTURE(run.err);
+  REQUIRE(run.exit_code == 0);
+  CHECK(run.err.empty());
+  CHECK(run.out.find("2 atoms (C 1, O 1)") != std::string::npos);
+  CHECK(run.out.find("left out: 1 of water") != std::string::npos);
+  // From 10 - 1.70 to 12 + 1.52: half of 5.22 is 0.95 units.
+  CHECK(run.out.find("1 unit = 2.747 A, the middle is 10.910 0.000 0.000") != std::string::npos);
+  CHECK(folder.read("co_C.txt") == "-0.1656130 0.0000000 0.0000000\n");       // (10 - 10.91) / (2 * 2.747368)
+  CHECK(folder.read("co_O.txt") == "0.1983716 0.0000000 0.0000000\n");        // (12 - 10.91) / (2 * 2.747368)
+  CHECK(folder.read("co_C_scale.txt") == "0.6875266 0.6875266 0.6875266\n");  // 1.70 / (0.9 * 2.747368)
+  CHECK(folder.read("co_O_scale.txt") == "0.6147297 0.6147297 0.6147297\n");  // 1.52 / (0.9 * 2.747368)
+  const Run check = run_dmvv({"check", "--strict", folder.file("co.voml")});
+  CAPTURE(check.err);
+  CHECK(check.exit_code == 0);
+}
+
+TEST_CASE("--water keeps it, without --voml there is no scene, --quiet says nothing") {
+  const Folder folder;
+  const Run run = run_dmvv({"seeds", folder.write("co.pdb", carbonyl), "-o", folder.file("co"), "--water", "--quiet"});
+  CHECK(run.exit_code == 0);
+  CHECK(run.out.empty());
+  const std::string oxygens = folder.read("co_O.txt");
+  CHECK(std::count(oxygens.begin(), oxygens.end(), '\n') == 2);
+  CHECK(folder.listing().size() == 5);
+}
+
+TEST_CASE("faults: place and exit code; nothing is written") {
+  const Folder folder;
+  std::string text = carbonyl;
+  text.replace(text.find("12.000"), 6, "12,000");
+  const Run fault = run_dmvv({"seeds", folder.write("co.pdb", text), "-o", folder.file("co"), "--voml"});
+  CHECK(fault.exit_code == 1);
+  CHECK(fault.err.find("co.pdb:2:31: error[E0560]: the coordinate x is '  12,000'") != std::string::npos);
+  CHECK(folder.listing().size() == 1);
+  CHECK(run_dmvv({"seeds", folder.file("absent.pdb"), "-o", folder.file("co")}).exit_code == 1);
+  const std::string good = folder.write("good.pdb", carbonyl);
+  CHECK(run_dmvv({"seeds", good, "-o", folder.file("no/co")}).exit_code == 1);
+  CHECK(run_dmvv({"seeds", good, "-o", folder.file("")}).exit_code == 2);
+  CHECK(run_dmvv({"seeds", good}).exit_code == 2);
+  CHECK(folder.listing().size() == 2);
+}

@@ -1,0 +1,2 @@
+// A sphere. Exact.
+return length(p) - 0.7;
