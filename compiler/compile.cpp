@@ -80,7 +80,7 @@ void count(Statistics& statistics, const Module& module) {
 
 const std::vector<PassInfo>& pass_names() {
   static const std::vector<PassInfo> passes{
-      {"merge-assets", "identical grids and bitmaps are stored once"},
+      {"merge-assets", "identical grids, bitmaps and snippets are stored once"},
       {"prune-sides", "a decision between equal sides is left out"},
       {"drop-unreachable", "what no path from the root reaches is left out"},
       {"index", "seeds and candidates are found through lookup grids"},

@@ -16,7 +16,7 @@ namespace {
 
 using snippet::Snippet;
 
-constexpr double steepest = 2.0;    // times a distance
+constexpr double steepest = 2.0;  // times a distance
 constexpr double flattest = 0.25;
 constexpr double margin = 1e-4;     // a surface that touches the border is not cut
 constexpr int border_samples = 17;  // along each edge of the cube
@@ -48,7 +48,8 @@ const std::vector<glm::dvec3>& inner_points() {
   static const std::vector<glm::dvec3> points = [] {
     std::vector<glm::dvec3> result;
     for (std::uint32_t i = 1; i <= 600; ++i) {
-      const glm::dvec3 unit(snippet::radical_inverse(i, 2), snippet::radical_inverse(i, 3), snippet::radical_inverse(i, 5));
+      const glm::dvec3 unit(snippet::radical_inverse(i, 2), snippet::radical_inverse(i, 3),
+                            snippet::radical_inverse(i, 5));
       result.push_back(unit * 2.0 - 1.0);
     }
     return result;
@@ -87,9 +88,10 @@ class Linter {
 
   void measure_gradient(const Sdf& sdf, const Snippet& snippet);
   void check_borders(const Object& object);
+  void check_own_border(const Object& object, Id<Sdf> id, double t);
   std::vector<Id<Sdf>> sdfs_of(const Object& object) const;
   void check_point(const Object& object, const glm::dvec3& p, double t, Id<Sdf> own_border);
-  std::optional<double> value(const Sdf& sdf, const glm::dvec3& p, double t) const;
+  std::optional<double> value(const Sdf& sdf, const glm::dvec3& p, double t, std::size_t first = 0) const;
   bool is_positive_somewhere(const Sdf& sdf, double t) const;
   bool is_empty_leaf(Id<Node> node) const;
 
@@ -117,26 +119,29 @@ void Linter::measure_gradient(const Sdf& sdf, const Snippet& snippet) {
   diagnostics_.report(
       Code::distance_far_from_metric, sdf.span,
       largest > steepest
-          ? fmt::format("the SDF '{}' changes by {:.3g} a unit at {}, where a distance changes by at most 1; divided by "
-                        "that number it would be a bound",
-                        sdf.name, largest, where)
+          ? fmt::format(
+                "the SDF '{}' changes by {:.3g} a unit at {}, where a distance changes by at most 1; divided by "
+                "that number it would be a bound",
+                sdf.name, largest, where)
           : fmt::format("the SDF '{}' changes by no more than {:.3g} a unit (at {}), where a distance changes by 1",
                         sdf.name, largest, where));
 }
 
 // ---- W0403 ----
 
-/// Of the object's frame; nothing where it would take too long, or a snippet does not end.
-std::optional<double> Linter::value(const Sdf& sdf, const glm::dvec3& p, double t) const {
+/// At a point of the object, by the placements from `first` on; nothing where it would take too long, or a snippet does
+/// not end.
+std::optional<double> Linter::value(const Sdf& sdf, const glm::dvec3& p, double t, std::size_t first) const {
   if (sdf.local_from_object.size() > most_placements) return std::nullopt;
   const Snippet* snippet = snippet_of(sdf);
   double least = std::numeric_limits<double>::infinity();
-  for (const Affine& local_from_object : sdf.local_from_object) {
-    glm::dvec3 q = local_from_object(p);
+  for (std::size_t i = first; i < sdf.local_from_object.size(); ++i) {
+    glm::dvec3 q = sdf.local_from_object[i](p);
     if (sdf.placement == voml::Placement::tiled) q -= 2.0 * glm::floor((q + 1.0) / 2.0);
     if (const auto* grid = std::get_if<Id<voml::Grid>>(&sdf.source)) {
       const voml::Grid& samples = at(module_.grids, *grid);
-      const bool inside = glm::all(glm::greaterThanEqual(q, samples.box_lo)) && glm::all(glm::lessThanEqual(q, samples.box_hi));
+      const bool inside =
+          glm::all(glm::greaterThanEqual(q, samples.box_lo)) && glm::all(glm::lessThanEqual(q, samples.box_hi));
       if (inside && !samples.values.empty()) least = std::min(least, sample(samples, q));
     } else if (snippet == nullptr) {
       return std::nullopt;
@@ -161,8 +166,9 @@ bool Linter::is_empty_leaf(Id<Node> node) const {
   return region != nullptr && at(module_.regions, *region).kind == voml::RegionKind::empty;
 }
 
-/// Follows the tree at p. What is filled there, but empty on the other side of an SDF, ends at that SDF's surface; here,
-/// at a border, it ends at the cube. With `own_border`, p lies on the border of that SDF's cube, and it alone is meant.
+/// Follows the tree at p. What is filled there, but empty on the other side of an SDF, ends at that SDF's surface;
+/// here, at a border, it ends at the cube. With `own_border`, p lies on the border of that SDF's cube, and it alone is
+/// meant.
 void Linter::check_point(const Object& object, const glm::dvec3& p, double t, Id<Sdf> own_border) {
   std::vector<Id<Sdf>> cut;
   Id<Node> id = object.root;
@@ -181,11 +187,11 @@ void Linter::check_point(const Object& object, const glm::dvec3& p, double t, Id
     if (!is_positive_somewhere(at(module_.sdfs, sdf), t)) continue;
     reported_[sdf.index] = true;
     const std::string where = snippet::describe(p, t, snippet_of(at(module_.sdfs, sdf))->uses_time());
-    diagnostics_.report(Code::surface_clipped, at(module_.sdfs, sdf).span,
-                        fmt::format("the surface of the SDF '{}' is cut off by the standard cube{}: it is still inside at "
-                                    "{} of the object '{}'",
-                                    at(module_.sdfs, sdf).name, own_border.valid() ? " of its own frame" : "", where,
-                                    object.name));
+    diagnostics_.report(
+        Code::surface_clipped, at(module_.sdfs, sdf).span,
+        fmt::format("the surface of the SDF '{}' is cut off by the standard cube{}: it is still inside at "
+                    "{} of the object '{}'",
+                    at(module_.sdfs, sdf).name, own_border.valid() ? " of its own frame" : "", where, object.name));
   }
 }
 
@@ -205,6 +211,21 @@ std::vector<Id<Sdf>> Linter::sdfs_of(const Object& object) const {
   return found;
 }
 
+/// The cube of the SDF's first placement, where it lies in the object's and no other placement covers its border.
+void Linter::check_own_border(const Object& object, Id<Sdf> id, double t) {
+  const Sdf& sdf = at(module_.sdfs, id);
+  const Snippet* snippet = snippet_of(sdf);
+  if (snippet == nullptr || sdf.placement == voml::Placement::tiled || sdf.local_from_object.empty()) return;
+  const Affine object_from_local = inverse(sdf.local_from_object.front());
+  for (const glm::dvec3& border : border_points()) {
+    const glm::dvec3 q = border * (1.0 - 1e-9);  // rounding must not take it out of the cube
+    const glm::dvec3 p = object_from_local(q);
+    if (reported_[id.index] || !in_cube(p) || !(snippet->evaluate(q, t).f < sdf.iso - margin)) continue;
+    const auto others = value(sdf, p, t, 1);
+    if (others && *others > sdf.iso) check_point(object, p, t, id);
+  }
+}
+
 void Linter::check_borders(const Object& object) {
   const std::vector<Id<Sdf>> sdfs = sdfs_of(object);
   bool any = false, uses_time = false;
@@ -216,15 +237,7 @@ void Linter::check_borders(const Object& object) {
   if (!any) return;
   for (const double t : lint_times(uses_time)) {
     for (const glm::dvec3& p : border_points()) check_point(object, p, t, {});
-    for (const Id<Sdf> id : sdfs) {
-      const Sdf& sdf = at(module_.sdfs, id);
-      if (snippet_of(sdf) == nullptr || sdf.placement == voml::Placement::tiled || reported_[id.index]) continue;
-      const Affine object_from_local = inverse(sdf.local_from_object.empty() ? Affine{} : sdf.local_from_object.front());
-      for (const glm::dvec3& q : border_points()) {
-        const glm::dvec3 p = object_from_local(q * (1.0 - 1e-9));  // rounding must not take it out of the cube
-        if (in_cube(p)) check_point(object, p, t, id);
-      }
-    }
+    for (const Id<Sdf> id : sdfs) check_own_border(object, id, t);
   }
 }
 

@@ -1,7 +1,7 @@
 // The kernels through glslang and the SPIR-V validator.
-#include <glslang/SPIRV/GlslangToSpv.h>
 #include <glslang/Public/ResourceLimits.h>
 #include <glslang/Public/ShaderLang.h>
+#include <glslang/SPIRV/GlslangToSpv.h>
 #include <spirv-tools/libspirv.hpp>
 
 #include "compiler/compile.h"

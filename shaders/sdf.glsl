@@ -93,13 +93,14 @@ float sd_hex_prism(vec3 p, float r, float h) {
 /// Ellipsoid of half axes r. Bound, L = 1: exact for a ball, the smaller the flatter it is.
 float sd_ellipsoid(vec3 p, vec3 r) { return (length(p / r) - 1.0) * min(r.x, min(r.y, r.z)); }
 
-/// Regular tetrahedron around the origin whose faces have distance r from it. Bound, L = 1: exact inside and before faces.
+/// Regular tetrahedron around the origin whose faces have distance r from it. Bound, L = 1: exact inside.
 float sd_tetrahedron(vec3 p, float r) {
   float d = max(max(p.x + p.y + p.z, p.x - p.y - p.z), max(p.y - p.x - p.z, p.z - p.x - p.y));
   return d * 0.57735026919 - r;
 }
 
-/// Sheet of thickness 2 r along a gyroid of k waves in 2 pi. Bound, L = 1 (the gradient of the gyroid is at most sqrt(6) k).
+/// Sheet of thickness 2 r along a gyroid of k waves in 2 pi. Bound, L = 1: the gradient of a gyroid is at most
+/// sqrt(6) k.
 float sd_gyroid(vec3 p, float k, float r) {
   return abs(dot(sin(k * p), cos(k * p.yzx))) / (2.44948974278 * abs(k)) - r;
 }
@@ -127,7 +128,8 @@ float op_smooth_intersection(float a, float b, float k) { return -op_smooth_unio
 /// a without b, the edge rounded. Bound.
 float op_smooth_difference(float a, float b, float k) { return -op_smooth_union(-a, b, k); }
 
-/// Union by the logarithm of a sum of exponentials: smooth everywhere, k log 2 deep; the order of many does not matter. Bound.
+/// Union by the logarithm of a sum of exponentials: smooth everywhere, k log 2 deep; the order of many does not
+/// matter. Bound.
 float op_smooth_union_exp(float a, float b, float k) { return min(a, b) - k * log(1.0 + exp(-abs(a - b) / k)); }
 
 /// All points within r of the shape. As exact as d outside, bound inside.
@@ -161,8 +163,8 @@ vec3 op_rotate(vec3 p, vec3 axis, float angle) {
 /// Cuts the shape at the origin and draws it apart by h on each side of each axis. L = 1; exact outside.
 vec3 op_elongate(vec3 p, vec3 h) { return p - clamp(p, -h, h); }
 
-/// Repeats the shape with the period c. L = 1 where the shape is symmetric and stays in its cell, |x| <= c / 2; else the
-/// value jumps at the borders of cells.
+/// Repeats the shape with the period c. L = 1 where the shape is symmetric and stays in its cell, |x| <= c / 2; else
+/// the value jumps at the borders of cells.
 vec3 op_repeat(vec3 p, vec3 c) { return p - c * floor(p / c + 0.5); }
 
 /// The same, n times to each side of the origin: 2 n + 1 in all.

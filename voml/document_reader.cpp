@@ -40,7 +40,7 @@ class DocumentReader {
   Draft& draft_;
   Diagnostics& diagnostics_;
   std::size_t elements_left_ = max_elements;
-  std::vector<std::unique_ptr<OpenFile>> open_;  // importing files first
+  std::vector<std::unique_ptr<OpenFile>> open_;        // importing files first
   std::unordered_map<std::string, std::size_t> seen_;  // path -> index into Draft::document_blocks
 };
 
@@ -171,11 +171,11 @@ void connect_functions(Draft& draft, Diagnostics& diagnostics) {
     for (const std::size_t block : blocks) bytes += draft.function_blocks[block].content.text.size();
     all_bytes += bytes;
     if (blocks.size() > max_function_blocks || bytes > max_helper_bytes || all_bytes > max_all_helper_bytes) {
-      diagnostics.report(Code::scene_too_large, draft.function_blocks[blocks.back()].span,
-                         fmt::format("the FUNCTIONS that one SDF may use are at most {} with {} bytes of text, those of "
-                                     "all SDFs together {} bytes; up to here there are {} with {} bytes, and {} bytes",
-                                     max_function_blocks, max_helper_bytes, max_all_helper_bytes, blocks.size(), bytes,
-                                     all_bytes));
+      diagnostics.report(
+          Code::scene_too_large, draft.function_blocks[blocks.back()].span,
+          fmt::format("the FUNCTIONS that one SDF may use are at most {} with {} bytes of text, those of "
+                      "all SDFs together {} bytes; up to here there are {} with {} bytes, and {} bytes",
+                      max_function_blocks, max_helper_bytes, max_all_helper_bytes, blocks.size(), bytes, all_bytes));
       return;
     }
     std::vector<GlslText>& helpers = draft.scene.functions[i].helpers;

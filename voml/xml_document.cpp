@@ -12,8 +12,8 @@
 namespace dmvv::voml {
 namespace {
 
-constexpr std::array<std::string_view, 11> tag_names = {"MVV",      "IMPORT",   "OBJECT",   "SDF",      "REGION",   "INDEX",
-                                                        "EMBEDDED", "MAPPINGS", "POSITIVE", "NEGATIVE", "FUNCTIONS"};
+constexpr std::array<std::string_view, 11> tag_names = {
+    "MVV", "IMPORT", "OBJECT", "SDF", "REGION", "INDEX", "EMBEDDED", "MAPPINGS", "POSITIVE", "NEGATIVE", "FUNCTIONS"};
 
 /// An element that is not closed yet; [begin, end) is its name in the opening tag.
 struct OpenElement {

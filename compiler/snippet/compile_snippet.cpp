@@ -31,7 +31,7 @@ struct Line {
 
 struct Shader {
   std::string glsl;
-  std::vector<Line> lines;        ///< line k + 1 of the text
+  std::vector<Line> lines;          ///< line k + 1 of the text
   std::string_view function = "f";  ///< the name of the author's function
 };
 
@@ -281,7 +281,7 @@ void Compilation::report_parsing(const LogEntry& entry) {
   if (line.token != nullptr && !line.behind) line.token = culprit(line.token, entry);
   const bool never_returns = entry.reason.find("function does not return a value") != std::string::npos;
   if (never_returns && errors_ != 0) return;  // its `return` may be what is wrong
-  if (line.token == nullptr) {  // the head of the author's function, or text of ours
+  if (line.token == nullptr) {                // the head of the author's function, or text of ours
     ++errors_;
     diagnostics_.report(never_returns ? Code::snippet_return : Code::snippet_syntax, body_words(),
                         explain(entry, {{}, true, false}).sentence);
@@ -306,7 +306,8 @@ void Compilation::report_name(const LogEntry& entry, const Line& line, const Exp
   const bool in_library = std::find(library.begin(), library.end(), name) != library.end();
   if (is_call && in_library && !prepared_.uses_library) {
     if (unknown_.insert(name).second || !is_faulty) {
-      report(why.code, *line.token, fmt::format("'{}' is a function of the library; #include <sdf> makes it known", name));
+      report(why.code, *line.token,
+             fmt::format("'{}' is a function of the library; #include <sdf> makes it known", name));
     }
     return;
   }
@@ -329,7 +330,8 @@ void Compilation::report_name(const LogEntry& entry, const Line& line, const Exp
   const auto near = nearest_name(name, known);
   std::string message = why.sentence;
   if (near && name.size() > 1) message += fmt::format("; did you mean '{}'?", *near);
-  const bool near_is_library = near && name.size() > 1 && std::find(library.begin(), library.end(), *near) != library.end();
+  const bool near_is_library =
+      near && name.size() > 1 && std::find(library.begin(), library.end(), *near) != library.end();
   if (near_is_library && !prepared_.uses_library) message += " (it is in the library: #include <sdf>)";
   report(why.code, *line.token, std::move(message));
 }
@@ -346,12 +348,14 @@ void Compilation::report_linking(const LogEntry& entry) {
   constexpr std::string_view no_body = "No function definition (body) found:";
   if (entry.reason.find("Recursion detected") != std::string::npos) return report_recursion(entry.reason);
   if (const std::size_t at = entry.reason.find(no_body); at != std::string::npos) {
-    const std::size_t name_at = std::min(entry.reason.find_first_not_of(" \t\n", at + no_body.size()), entry.reason.size());
+    const std::size_t name_at =
+        std::min(entry.reason.find_first_not_of(" \t\n", at + no_body.size()), entry.reason.size());
     const std::string_view name = plain_name(std::string_view(entry.reason).substr(name_at));
     for (const PreparedText& text : prepared_.texts) {
       for (const Token& token : text.tokens) {
         if (token.is(name)) {
-          return report(Code::snippet_unknown_name, token, fmt::format("the function '{}' is declared, but not defined", name));
+          return report(Code::snippet_unknown_name, token,
+                        fmt::format("the function '{}' is declared, but not defined", name));
         }
       }
     }
@@ -390,9 +394,10 @@ void Compilation::report_recursion(std::string_view list) {
   const std::string_view caller = plain_name(list.substr(list.rfind('\n', at) + 1));
   const std::string_view callee = plain_name(list.substr(at + calling.size()));
   const std::string message =
-      caller == callee ? fmt::format("'{}' calls itself; a shader has no stack, write a loop instead", caller)
-                       : fmt::format("'{}' calls '{}', which calls it again; a shader has no stack, write a loop instead",
-                                     caller, callee);
+      caller == callee
+          ? fmt::format("'{}' calls itself; a shader has no stack, write a loop instead", caller)
+          : fmt::format("'{}' calls '{}', which calls it again; a shader has no stack, write a loop instead", caller,
+                        callee);
   if (const Token* call = call_in(caller, callee)) return report(Code::snippet_recursion, *call, message);
   ++errors_;
   diagnostics_.report(Code::snippet_recursion, body_words(), message);
@@ -434,8 +439,8 @@ void Compilation::probe(const Snippet& snippet) {
         return;
       }
       if (!std::isfinite(value.f) && not_finite.empty()) {
-        not_finite = fmt::format("the distance is {} at {}",
-                                 std::isnan(value.f) ? "not a number" : "infinite", describe(p, t, snippet.uses_time()));
+        not_finite = fmt::format("the distance is {} at {}", std::isnan(value.f) ? "not a number" : "infinite",
+                                 describe(p, t, snippet.uses_time()));
       }
     }
   }

@@ -56,9 +56,7 @@ inline DualNumber sqrt(const DualNumber& x) {
   return chain(root, 0.5 / root, x);
 }
 inline DualNumber exp(const DualNumber& x) { return chain(std::exp(x.value), std::exp(x.value), x); }
-inline DualNumber exp2(const DualNumber& x) {
-  return chain(std::exp2(x.value), std::exp2(x.value) * std::log(2.0), x);
-}
+inline DualNumber exp2(const DualNumber& x) { return chain(std::exp2(x.value), std::exp2(x.value) * std::log(2.0), x); }
 inline DualNumber log(const DualNumber& x) { return chain(std::log(x.value), 1.0 / x.value, x); }
 inline DualNumber log2(const DualNumber& x) { return chain(std::log2(x.value), 1.0 / (x.value * std::log(2.0)), x); }
 inline DualNumber pow(const DualNumber& x, const DualNumber& y) {
@@ -95,9 +93,7 @@ inline DualNumber asinh(const DualNumber& x) {
 inline DualNumber acosh(const DualNumber& x) {
   return chain(std::acosh(x.value), 1.0 / std::sqrt(x.value * x.value - 1.0), x);
 }
-inline DualNumber atanh(const DualNumber& x) {
-  return chain(std::atanh(x.value), 1.0 / (1.0 - x.value * x.value), x);
-}
+inline DualNumber atanh(const DualNumber& x) { return chain(std::atanh(x.value), 1.0 / (1.0 - x.value * x.value), x); }
 inline DualNumber fma(const DualNumber& x, const DualNumber& y, const DualNumber& z) { return x * y + z; }
 inline DualNumber ldexp(const DualNumber& x, int exponent) {
   return chain(std::ldexp(x.value, exponent), std::ldexp(1.0, exponent), x);

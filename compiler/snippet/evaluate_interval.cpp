@@ -113,16 +113,26 @@ class BoxMachine {
 
   void run(const Node& node) {
     switch (node.kind) {
-      case Node::Kind::run: run_instructions(node); break;
-      case Node::Kind::branch: run_branch(node); break;
+      case Node::Kind::run:
+        run_instructions(node);
+        break;
+      case Node::Kind::branch:
+        run_branch(node);
+        break;
       case Node::Kind::block:
         constructs_.push_back({.is_loop = false, .left = {}, .repeated = {}});
         run(node.body);
         end_construct();
         break;
-      case Node::Kind::loop: run_loop(node); break;
-      case Node::Kind::leave: wait_in(constructs_.back().left); break;
-      case Node::Kind::repeat: wait_in(innermost_loop().repeated); break;
+      case Node::Kind::loop:
+        run_loop(node);
+        break;
+      case Node::Kind::leave:
+        wait_in(constructs_.back().left);
+        break;
+      case Node::Kind::repeat:
+        wait_in(innermost_loop().repeated);
+        break;
     }
   }
 

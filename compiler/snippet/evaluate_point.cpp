@@ -50,12 +50,19 @@ class PointMachine {
     steps_ += node.count + 1;
     if (steps_ > Snippet::step_budget) return Flow::gives_up;
     switch (node.kind) {
-      case Node::Kind::run: run_instructions(node); return Flow::goes_on;
-      case Node::Kind::branch: return run(cells_[node.condition].i != 0 ? node.body : node.other);
-      case Node::Kind::block: return after_break(run(node.body));
-      case Node::Kind::loop: return run_loop(node);
-      case Node::Kind::leave: return Flow::leaves;
-      case Node::Kind::repeat: return Flow::repeats;
+      case Node::Kind::run:
+        run_instructions(node);
+        return Flow::goes_on;
+      case Node::Kind::branch:
+        return run(cells_[node.condition].i != 0 ? node.body : node.other);
+      case Node::Kind::block:
+        return after_break(run(node.body));
+      case Node::Kind::loop:
+        return run_loop(node);
+      case Node::Kind::leave:
+        return Flow::leaves;
+      case Node::Kind::repeat:
+        return Flow::repeats;
     }
     return Flow::goes_on;
   }

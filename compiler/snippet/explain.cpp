@@ -33,24 +33,24 @@ std::vector<std::string> quoted(std::string_view text) {
 /// The names that glslang's grammar gives to tokens.
 std::string token_in_words(std::string_view name) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, 19> names = {{{"SEMICOLON", "';'"},
-                                                                                     {"COMMA", "','"},
-                                                                                     {"COLON", "':'"},
-                                                                                     {"EQUAL", "'='"},
-                                                                                     {"DOT", "'.'"},
-                                                                                     {"LEFT_PAREN", "'('"},
-                                                                                     {"RIGHT_PAREN", "')'"},
-                                                                                     {"LEFT_BRACKET", "'['"},
-                                                                                     {"RIGHT_BRACKET", "']'"},
-                                                                                     {"LEFT_BRACE", "'{'"},
-                                                                                     {"RIGHT_BRACE", "'}'"},
-                                                                                     {"IDENTIFIER", "a name"},
-                                                                                     {"TYPE_NAME", "a type"},
-                                                                                     {"FLOATCONSTANT", "a number"},
-                                                                                     {"INTCONSTANT", "a number"},
-                                                                                     {"UINTCONSTANT", "a number"},
-                                                                                     {"WHILE", "'while'"},
-                                                                                     {"QUESTION", "'?'"},
-                                                                                     {"end of file", "the end"}}};
+                                                                                    {"COMMA", "','"},
+                                                                                    {"COLON", "':'"},
+                                                                                    {"EQUAL", "'='"},
+                                                                                    {"DOT", "'.'"},
+                                                                                    {"LEFT_PAREN", "'('"},
+                                                                                    {"RIGHT_PAREN", "')'"},
+                                                                                    {"LEFT_BRACKET", "'['"},
+                                                                                    {"RIGHT_BRACKET", "']'"},
+                                                                                    {"LEFT_BRACE", "'{'"},
+                                                                                    {"RIGHT_BRACE", "'}'"},
+                                                                                    {"IDENTIFIER", "a name"},
+                                                                                    {"TYPE_NAME", "a type"},
+                                                                                    {"FLOATCONSTANT", "a number"},
+                                                                                    {"INTCONSTANT", "a number"},
+                                                                                    {"UINTCONSTANT", "a number"},
+                                                                                    {"WHILE", "'while'"},
+                                                                                    {"QUESTION", "'?'"},
+                                                                                    {"end of file", "the end"}}};
   const auto found = std::find_if(names.begin(), names.end(), [&](const auto& pair) { return pair.first == name; });
   return found == names.end() ? std::string() : std::string(found->second);
 }
@@ -74,7 +74,8 @@ std::string explain_syntax(std::string_view reason, const ErrorPlace& place) {
   const std::string expected =
       at == std::string_view::npos ? std::string() : expected_in_words(reason.substr(at + expecting.size()));
   if (place.at_end) {
-    return expected.empty() ? "the text ends in the middle of a statement" : fmt::format("{} is missing here", expected);
+    return expected.empty() ? "the text ends in the middle of a statement"
+                            : fmt::format("{} is missing here", expected);
   }
   if (place.in_body && contains(reason, "unexpected LEFT_BRACE, expecting SEMICOLON")) {
     return "a function cannot be defined inside of another; helper functions stand in FUNCTIONS";
@@ -94,7 +95,8 @@ std::string operand_sentence(const LogEntry& entry) {
   const std::vector<std::string> parts = quoted(entry.reason);
   if (parts.size() < 3) return fmt::format("'{}' does not work on these types", entry.word);
   const std::string left = short_type(parts[1]), right = short_type(parts[2]);
-  if (entry.word == ":") return fmt::format("both sides of ':' must have one type, but they are {} and {}", left, right);
+  if (entry.word == ":")
+    return fmt::format("both sides of ':' must have one type, but they are {} and {}", left, right);
   return fmt::format("'{}' does not work between {} and {}", entry.word, left, right);
 }
 
@@ -128,7 +130,8 @@ constexpr std::array<Phrase, 27> phrases = {{
     {"function already has a body", "this function is defined twice"},
     {"not enough data provided for construction", "this constructor gets too few values"},
     {"too many arguments", "this constructor gets more values than it takes"},
-    {"array constructor needs one argument per array element", "the array gets more or fewer values than it has elements"},
+    {"array constructor needs one argument per array element",
+     "the array gets more or fewer values than it has elements"},
     {"array size must be a positive integer", "the size of an array must be at least 1"},
     {"array size must be a constant integer expression", "the size of an array must be a constant"},
     {"numeric literal too big", "this number is too large for an int; write it with a decimal point"},
@@ -144,9 +147,9 @@ constexpr std::array<Phrase, 27> phrases = {{
 }  // namespace
 
 std::string short_type(std::string_view type) {
-  static const std::set<std::string, std::less<>> qualifiers = {"temp",    "const", "in",        "out",     "inout",
-                                                                "global",  "highp", "mediump",   "lowp",    "precise",
-                                                                "unknown", "of",    "(readonly", "noContraction"};
+  static const std::set<std::string, std::less<>> qualifiers = {
+      "temp",    "const", "in",      "out",     "inout", "global",    "highp",
+      "mediump", "lowp",  "precise", "unknown", "of",    "(readonly", "noContraction"};
   std::istringstream words{std::string(type)};
   std::vector<std::string> kept;
   for (std::string word; words >> word;) {

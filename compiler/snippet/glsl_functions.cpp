@@ -116,8 +116,8 @@ Scalars reflect(ProgramBuilder& b, const Scalars& incident, const Scalars& norma
 Scalars refract(ProgramBuilder& b, const Scalars& incident, const Scalars& normal, Register eta) {
   const Register one = b.real(1.0f), zero = b.real(0.0f);
   const Register d = dot(b, normal, incident);
-  const Register sine2 = b.emit(Op::f_mul, {b.emit(Op::f_mul, {eta, eta}),
-                                            b.emit(Op::f_sub, {one, b.emit(Op::f_mul, {d, d})})});
+  const Register sine2 =
+      b.emit(Op::f_mul, {b.emit(Op::f_mul, {eta, eta}), b.emit(Op::f_sub, {one, b.emit(Op::f_mul, {d, d})})});
   const Register k = b.emit(Op::f_sub, {one, sine2});
   const Register total = b.emit(Op::f_lt, {k, zero});
   const Register root = b.emit(Op::f_sqrt, {b.emit(Op::f_max, {k, zero})});
@@ -160,9 +160,9 @@ Scalars unpack(ProgramBuilder& b, Register packed, bool is_signed, float scale, 
   Scalars out;
   for (std::uint32_t i = 0; i < 32 / bits; ++i) {
     const Register top = b.emit(Op::u_shl, {packed, u(32 - bits * (i + 1))});  // the field in the highest bits
-    const Register steps =
-        is_signed ? b.emit(Op::f_from_i, {b.emit(Op::i_shr, {b.emit(Op::i_from_u, {top}), u(32 - bits)})})
-                  : b.emit(Op::f_from_u, {b.emit(Op::u_shr, {top, u(32 - bits)})});
+    const Register steps = is_signed
+                               ? b.emit(Op::f_from_i, {b.emit(Op::i_shr, {b.emit(Op::i_from_u, {top}), u(32 - bits)})})
+                               : b.emit(Op::f_from_u, {b.emit(Op::u_shr, {top, u(32 - bits)})});
     const Register value = b.emit(Op::f_div, {steps, b.real(scale)});
     out.push_back(is_signed ? b.emit(Op::f_max, {value, b.real(-1.0f)}) : value);
   }
@@ -207,56 +207,95 @@ Scalars as_ints(ProgramBuilder& b, Type type, Scalars x) {
 std::optional<Op> componentwise(std::uint32_t number) {
   switch (number) {
     case GLSLstd450Round:
-    case GLSLstd450RoundEven: return Op::f_round;
-    case GLSLstd450Trunc: return Op::f_trunc;
-    case GLSLstd450FAbs: return Op::f_abs;
-    case GLSLstd450SAbs: return Op::i_abs;
-    case GLSLstd450FSign: return Op::f_sign;
-    case GLSLstd450SSign: return Op::i_sign;
-    case GLSLstd450Floor: return Op::f_floor;
-    case GLSLstd450Ceil: return Op::f_ceil;
-    case GLSLstd450Fract: return Op::f_fract;
-    case GLSLstd450Sin: return Op::f_sin;
-    case GLSLstd450Cos: return Op::f_cos;
-    case GLSLstd450Tan: return Op::f_tan;
-    case GLSLstd450Asin: return Op::f_asin;
-    case GLSLstd450Acos: return Op::f_acos;
-    case GLSLstd450Atan: return Op::f_atan;
-    case GLSLstd450Sinh: return Op::f_sinh;
-    case GLSLstd450Cosh: return Op::f_cosh;
-    case GLSLstd450Tanh: return Op::f_tanh;
-    case GLSLstd450Asinh: return Op::f_asinh;
-    case GLSLstd450Acosh: return Op::f_acosh;
-    case GLSLstd450Atanh: return Op::f_atanh;
-    case GLSLstd450Atan2: return Op::f_atan2;
-    case GLSLstd450Pow: return Op::f_pow;
-    case GLSLstd450Exp: return Op::f_exp;
-    case GLSLstd450Log: return Op::f_log;
-    case GLSLstd450Exp2: return Op::f_exp2;
-    case GLSLstd450Log2: return Op::f_log2;
-    case GLSLstd450Sqrt: return Op::f_sqrt;
-    case GLSLstd450InverseSqrt: return Op::f_inversesqrt;
+    case GLSLstd450RoundEven:
+      return Op::f_round;
+    case GLSLstd450Trunc:
+      return Op::f_trunc;
+    case GLSLstd450FAbs:
+      return Op::f_abs;
+    case GLSLstd450SAbs:
+      return Op::i_abs;
+    case GLSLstd450FSign:
+      return Op::f_sign;
+    case GLSLstd450SSign:
+      return Op::i_sign;
+    case GLSLstd450Floor:
+      return Op::f_floor;
+    case GLSLstd450Ceil:
+      return Op::f_ceil;
+    case GLSLstd450Fract:
+      return Op::f_fract;
+    case GLSLstd450Sin:
+      return Op::f_sin;
+    case GLSLstd450Cos:
+      return Op::f_cos;
+    case GLSLstd450Tan:
+      return Op::f_tan;
+    case GLSLstd450Asin:
+      return Op::f_asin;
+    case GLSLstd450Acos:
+      return Op::f_acos;
+    case GLSLstd450Atan:
+      return Op::f_atan;
+    case GLSLstd450Sinh:
+      return Op::f_sinh;
+    case GLSLstd450Cosh:
+      return Op::f_cosh;
+    case GLSLstd450Tanh:
+      return Op::f_tanh;
+    case GLSLstd450Asinh:
+      return Op::f_asinh;
+    case GLSLstd450Acosh:
+      return Op::f_acosh;
+    case GLSLstd450Atanh:
+      return Op::f_atanh;
+    case GLSLstd450Atan2:
+      return Op::f_atan2;
+    case GLSLstd450Pow:
+      return Op::f_pow;
+    case GLSLstd450Exp:
+      return Op::f_exp;
+    case GLSLstd450Log:
+      return Op::f_log;
+    case GLSLstd450Exp2:
+      return Op::f_exp2;
+    case GLSLstd450Log2:
+      return Op::f_log2;
+    case GLSLstd450Sqrt:
+      return Op::f_sqrt;
+    case GLSLstd450InverseSqrt:
+      return Op::f_inversesqrt;
     case GLSLstd450FMin:
-    case GLSLstd450NMin: return Op::f_min;
-    case GLSLstd450UMin: return Op::u_min;
-    case GLSLstd450SMin: return Op::i_min;
+    case GLSLstd450NMin:
+      return Op::f_min;
+    case GLSLstd450UMin:
+      return Op::u_min;
+    case GLSLstd450SMin:
+      return Op::i_min;
     case GLSLstd450FMax:
-    case GLSLstd450NMax: return Op::f_max;
-    case GLSLstd450UMax: return Op::u_max;
-    case GLSLstd450SMax: return Op::i_max;
-    case GLSLstd450FMix: return Op::f_mix;
-    case GLSLstd450SmoothStep: return Op::f_smoothstep;
-    case GLSLstd450Fma: return Op::f_fma;
-    case GLSLstd450Ldexp: return Op::f_ldexp;
-    case GLSLstd450FindILsb: return Op::u_find_lsb;
-    case GLSLstd450FindSMsb: return Op::i_find_msb;
-    case GLSLstd450FindUMsb: return Op::u_find_msb;
-    default: return std::nullopt;
+    case GLSLstd450NMax:
+      return Op::f_max;
+    case GLSLstd450UMax:
+      return Op::u_max;
+    case GLSLstd450SMax:
+      return Op::i_max;
+    case GLSLstd450FMix:
+      return Op::f_mix;
+    case GLSLstd450SmoothStep:
+      return Op::f_smoothstep;
+    case GLSLstd450Fma:
+      return Op::f_fma;
+    case GLSLstd450Ldexp:
+      return Op::f_ldexp;
+    case GLSLstd450FindILsb:
+      return Op::u_find_lsb;
+    case GLSLstd450FindSMsb:
+      return Op::i_find_msb;
+    case GLSLstd450FindUMsb:
+      return Op::u_find_msb;
+    default:
+      return std::nullopt;
   }
-}
-
-Type type_of_letter(char letter) {
-  return letter == 'f' ? Type::real : letter == 'i' ? Type::integer : Type::unsigned_integer;
 }
 
 Scalars apply(ProgramBuilder& b, Op op, std::span<const Scalars> a) {
@@ -275,37 +314,65 @@ std::optional<Scalars> glsl_function(ProgramBuilder& b, std::uint32_t number, st
   constexpr float radian = static_cast<float>(std::numbers::pi / 180.0);
   constexpr float degree = static_cast<float>(180.0 / std::numbers::pi);
   switch (number) {
-    case GLSLstd450Radians: return scaled(b, a[0], b.real(radian));
-    case GLSLstd450Degrees: return scaled(b, a[0], b.real(degree));
-    case GLSLstd450Determinant: return Scalars{determinant(b, {a[0], square_root(a[0].size())})};
-    case GLSLstd450MatrixInverse: return inverse(b, {a[0], square_root(a[0].size())});
+    case GLSLstd450Radians:
+      return scaled(b, a[0], b.real(radian));
+    case GLSLstd450Degrees:
+      return scaled(b, a[0], b.real(degree));
+    case GLSLstd450Determinant:
+      return Scalars{determinant(b, {a[0], square_root(a[0].size())})};
+    case GLSLstd450MatrixInverse:
+      return inverse(b, {a[0], square_root(a[0].size())});
     case GLSLstd450Modf:
-    case GLSLstd450ModfStruct: return modf(b, a[0]);
+    case GLSLstd450ModfStruct:
+      return modf(b, a[0]);
     case GLSLstd450Frexp:
-    case GLSLstd450FrexpStruct: return frexp(b, a[0]);
+    case GLSLstd450FrexpStruct:
+      return frexp(b, a[0]);
     case GLSLstd450FClamp:
-    case GLSLstd450NClamp: return clamp(b, Op::f_min, Op::f_max, a);
-    case GLSLstd450UClamp: return clamp(b, Op::u_min, Op::u_max, a);
-    case GLSLstd450SClamp: return clamp(b, Op::i_min, Op::i_max, a);
-    case GLSLstd450Step: return step(b, a[0], a[1]);
-    case GLSLstd450PackSnorm4x8: return Scalars{pack(b, a[0], -1.0f, 127.0f, 8)};
-    case GLSLstd450PackUnorm4x8: return Scalars{pack(b, a[0], 0.0f, 255.0f, 8)};
-    case GLSLstd450PackSnorm2x16: return Scalars{pack(b, a[0], -1.0f, 32767.0f, 16)};
-    case GLSLstd450PackUnorm2x16: return Scalars{pack(b, a[0], 0.0f, 65535.0f, 16)};
-    case GLSLstd450PackHalf2x16: return Scalars{pack_half(b, a[0])};
-    case GLSLstd450UnpackSnorm2x16: return unpack(b, a[0][0], true, 32767.0f, 16);
-    case GLSLstd450UnpackUnorm2x16: return unpack(b, a[0][0], false, 65535.0f, 16);
-    case GLSLstd450UnpackHalf2x16: return unpack_half(b, a[0][0]);
-    case GLSLstd450UnpackSnorm4x8: return unpack(b, a[0][0], true, 127.0f, 8);
-    case GLSLstd450UnpackUnorm4x8: return unpack(b, a[0][0], false, 255.0f, 8);
-    case GLSLstd450Length: return Scalars{length(b, a[0])};
-    case GLSLstd450Distance: return Scalars{length(b, each(b, Op::f_sub, a[0], a[1]))};
-    case GLSLstd450Cross: return cross(b, a[0], a[1]);
-    case GLSLstd450Normalize: return normalize(b, a[0]);
-    case GLSLstd450FaceForward: return face_forward(b, a[0], a[1], a[2]);
-    case GLSLstd450Reflect: return reflect(b, a[0], a[1]);
-    case GLSLstd450Refract: return refract(b, a[0], a[1], a[2][0]);
-    default: return std::nullopt;
+    case GLSLstd450NClamp:
+      return clamp(b, Op::f_min, Op::f_max, a);
+    case GLSLstd450UClamp:
+      return clamp(b, Op::u_min, Op::u_max, a);
+    case GLSLstd450SClamp:
+      return clamp(b, Op::i_min, Op::i_max, a);
+    case GLSLstd450Step:
+      return step(b, a[0], a[1]);
+    case GLSLstd450PackSnorm4x8:
+      return Scalars{pack(b, a[0], -1.0f, 127.0f, 8)};
+    case GLSLstd450PackUnorm4x8:
+      return Scalars{pack(b, a[0], 0.0f, 255.0f, 8)};
+    case GLSLstd450PackSnorm2x16:
+      return Scalars{pack(b, a[0], -1.0f, 32767.0f, 16)};
+    case GLSLstd450PackUnorm2x16:
+      return Scalars{pack(b, a[0], 0.0f, 65535.0f, 16)};
+    case GLSLstd450PackHalf2x16:
+      return Scalars{pack_half(b, a[0])};
+    case GLSLstd450UnpackSnorm2x16:
+      return unpack(b, a[0][0], true, 32767.0f, 16);
+    case GLSLstd450UnpackUnorm2x16:
+      return unpack(b, a[0][0], false, 65535.0f, 16);
+    case GLSLstd450UnpackHalf2x16:
+      return unpack_half(b, a[0][0]);
+    case GLSLstd450UnpackSnorm4x8:
+      return unpack(b, a[0][0], true, 127.0f, 8);
+    case GLSLstd450UnpackUnorm4x8:
+      return unpack(b, a[0][0], false, 255.0f, 8);
+    case GLSLstd450Length:
+      return Scalars{length(b, a[0])};
+    case GLSLstd450Distance:
+      return Scalars{length(b, each(b, Op::f_sub, a[0], a[1]))};
+    case GLSLstd450Cross:
+      return cross(b, a[0], a[1]);
+    case GLSLstd450Normalize:
+      return normalize(b, a[0]);
+    case GLSLstd450FaceForward:
+      return face_forward(b, a[0], a[1], a[2]);
+    case GLSLstd450Reflect:
+      return reflect(b, a[0], a[1]);
+    case GLSLstd450Refract:
+      return refract(b, a[0], a[1], a[2][0]);
+    default:
+      return std::nullopt;
   }
 }
 

@@ -24,9 +24,9 @@ Register select(ProgramBuilder& b, Register condition, Register x, Register y);
 /// The same bits as another integer type.
 Register as_type(ProgramBuilder& b, Type type, Register x);
 
-/// The value of built-in `number` of GLSL.std.450; arguments are the scalars of its operands, matrices column by column.
-/// The functions that write through a pointer (Modf, Frexp) give what their ...Struct forms give: both results, one
-/// after the other. Empty for what is not known here.
+/// The value of built-in `number` of GLSL.std.450; arguments are the scalars of its operands, matrices column by
+/// column. The functions that write through a pointer (Modf, Frexp) give what their ...Struct forms give: both results,
+/// one after the other. Empty for what is not known here.
 std::optional<Scalars> glsl_function(ProgramBuilder& b, std::uint32_t number, std::span<const Scalars> arguments);
 
 }  // namespace dmvv::compiler::snippet

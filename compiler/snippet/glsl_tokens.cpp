@@ -24,7 +24,8 @@ class Tokenizer {
       const std::size_t begin = at_;
       const Token::Kind kind = read_token();
       const std::string_view word = glsl_.substr(begin, at_ - begin);
-      tokens_.push_back({kind, word, word, text_, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(at_), line_});
+      tokens_.push_back(
+          {kind, word, word, text_, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(at_), line_});
     }
     return std::move(tokens_);
   }

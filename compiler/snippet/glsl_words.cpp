@@ -13,12 +13,14 @@ using Words = std::set<std::string_view>;
 constexpr std::string_view no_texture =
     "reads textures or images, but a distance function knows p and t alone; a sampled distance is an SDF with a file";
 constexpr std::string_view no_derivative =
-    "compares neighbouring pixels, but a distance is evaluated at single points; take differences of the function itself";
+    "compares neighbouring pixels, but a distance is evaluated at single points; take differences of the function "
+    "itself";
 constexpr std::string_view no_sharing =
     "works with what other invocations see, but a distance is evaluated at single points";
 constexpr std::string_view no_discard =
     "throws a pixel away, but a distance is evaluated at single points; return a positive value for 'outside'";
-constexpr std::string_view no_built_in_variable = "belongs to a shader stage, but a distance function knows p and t alone";
+constexpr std::string_view no_built_in_variable =
+    "belongs to a shader stage, but a distance function knows p and t alone";
 constexpr std::string_view no_interface = "declares data from outside, but a distance function knows p and t alone";
 constexpr std::string_view no_double = "is a 64-bit type, but distances are computed in float32 on the device";
 
@@ -41,38 +43,88 @@ bool is_opaque_type(std::string_view word) {
 }
 
 bool is_texture_function(std::string_view word) {
-  static const Words names = {
-      "texture",           "textureSize",         "textureQueryLod",    "textureQueryLevels", "textureSamples",
-      "textureProj",       "textureLod",          "textureOffset",      "texelFetch",         "texelFetchOffset",
-      "textureProjOffset", "textureLodOffset",    "textureProjLod",     "textureProjLodOffset", "textureGrad",
-      "textureGradOffset", "textureProjGrad",     "textureProjGradOffset", "textureGather",   "textureGatherOffset",
-      "textureGatherOffsets", "imageSize",        "imageSamples",       "imageLoad",          "imageStore",
-      "subpassLoad",       "tex1D",               "tex2D",              "tex3D",              "texCUBE",
-      "tex2Dlod",          "tex3Dlod",            "tex2Dproj",          "texture1D",          "texture2D",
-      "texture3D",         "textureCube",         "shadow1D",           "shadow2D"};
+  static const Words names = {"texture",
+                              "textureSize",
+                              "textureQueryLod",
+                              "textureQueryLevels",
+                              "textureSamples",
+                              "textureProj",
+                              "textureLod",
+                              "textureOffset",
+                              "texelFetch",
+                              "texelFetchOffset",
+                              "textureProjOffset",
+                              "textureLodOffset",
+                              "textureProjLod",
+                              "textureProjLodOffset",
+                              "textureGrad",
+                              "textureGradOffset",
+                              "textureProjGrad",
+                              "textureProjGradOffset",
+                              "textureGather",
+                              "textureGatherOffset",
+                              "textureGatherOffsets",
+                              "imageSize",
+                              "imageSamples",
+                              "imageLoad",
+                              "imageStore",
+                              "subpassLoad",
+                              "tex1D",
+                              "tex2D",
+                              "tex3D",
+                              "texCUBE",
+                              "tex2Dlod",
+                              "tex3Dlod",
+                              "tex2Dproj",
+                              "texture1D",
+                              "texture2D",
+                              "texture3D",
+                              "textureCube",
+                              "shadow1D",
+                              "shadow2D"};
   return names.contains(word) || word.starts_with("imageAtomic");
 }
 
 bool is_derivative(std::string_view word) {
-  static const Words names = {"dFdx",       "dFdy",       "fwidth",       "dFdxFine",            "dFdyFine",
-                              "fwidthFine", "dFdxCoarse", "dFdyCoarse",   "fwidthCoarse",        "ddx",
-                              "ddy",        "interpolateAtCentroid",      "interpolateAtSample", "interpolateAtOffset"};
+  static const Words names = {"dFdx",
+                              "dFdy",
+                              "fwidth",
+                              "dFdxFine",
+                              "dFdyFine",
+                              "fwidthFine",
+                              "dFdxCoarse",
+                              "dFdyCoarse",
+                              "fwidthCoarse",
+                              "ddx",
+                              "ddy",
+                              "interpolateAtCentroid",
+                              "interpolateAtSample",
+                              "interpolateAtOffset"};
   return names.contains(word);
 }
 
 bool is_shared_work(std::string_view word) {
-  static const Words names = {"barrier",           "memoryBarrier",    "memoryBarrierAtomicCounter",
-                              "memoryBarrierBuffer", "memoryBarrierShared", "memoryBarrierImage",
-                              "groupMemoryBarrier", "EmitVertex",      "EndPrimitive",
-                              "EmitStreamVertex",  "EndStreamPrimitive", "anyInvocation",
-                              "allInvocations",    "allInvocationsEqual"};
+  static const Words names = {"barrier",
+                              "memoryBarrier",
+                              "memoryBarrierAtomicCounter",
+                              "memoryBarrierBuffer",
+                              "memoryBarrierShared",
+                              "memoryBarrierImage",
+                              "groupMemoryBarrier",
+                              "EmitVertex",
+                              "EndPrimitive",
+                              "EmitStreamVertex",
+                              "EndStreamPrimitive",
+                              "anyInvocation",
+                              "allInvocations",
+                              "allInvocationsEqual"};
   return names.contains(word) || word.starts_with("atomic");
 }
 
 bool is_interface(std::string_view word) {
-  static const Words names = {"layout",   "uniform",  "buffer",    "shared",       "attribute", "varying",
-                              "coherent", "volatile", "restrict",  "readonly",     "writeonly", "subroutine",
-                              "patch",    "centroid", "flat",      "smooth",       "invariant", "noperspective"};
+  static const Words names = {"layout",   "uniform",  "buffer",   "shared",   "attribute", "varying",
+                              "coherent", "volatile", "restrict", "readonly", "writeonly", "subroutine",
+                              "patch",    "centroid", "flat",     "smooth",   "invariant", "noperspective"};
   return names.contains(word);
 }
 
@@ -82,11 +134,13 @@ bool is_double(std::string_view word) {
 
 using Spellings = std::map<std::string, std::string, std::less<>>;
 
-/// A Cg matrix has rows where GLSL has columns: floatRxC becomes matRxC, R columns of C, and mul turns its factors round.
+/// A Cg matrix has rows where GLSL has columns: floatRxC becomes matRxC, R columns of C, and mul turns its factors
+/// round.
 Spellings make_spellings() {
-  Spellings result = {{"lerp", "mix"},         {"frac", "fract"},        {"rsqrt", "inversesqrt"},
-                      {"atan2", "atan"},       {"fmod", "dmvv_fmod"},    {"mul", "dmvv_mul"},
-                      {"saturate", "dmvv_saturate"}, {"log10", "dmvv_log10"}, {"sincos", "dmvv_sincos"}};
+  Spellings result = {
+      {"lerp", "mix"},          {"frac", "fract"},   {"rsqrt", "inversesqrt"},      {"atan2", "atan"},
+      {"fmod", "dmvv_fmod"},    {"mul", "dmvv_mul"}, {"saturate", "dmvv_saturate"}, {"log10", "dmvv_log10"},
+      {"sincos", "dmvv_sincos"}};
   const auto add = [&](const std::string& cg, const std::string& scalar, const std::string& vector, bool matrices) {
     if (cg != scalar) result[cg] = scalar;
     result[cg + "1"] = scalar;
@@ -112,17 +166,94 @@ const Spellings& spellings() {
 }  // namespace
 
 const std::vector<std::string_view>& built_in_functions() {
-  static const std::vector<std::string_view> names = {
-      "radians", "degrees", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh",
-      "atanh", "pow", "exp", "log", "exp2", "log2", "sqrt", "inversesqrt", "abs", "sign", "floor", "trunc", "round",
-      "roundEven", "ceil", "fract", "mod", "modf", "min", "max", "clamp", "mix", "step", "smoothstep", "isnan", "isinf",
-      "floatBitsToInt", "floatBitsToUint", "intBitsToFloat", "uintBitsToFloat", "fma", "frexp", "ldexp", "length",
-      "distance", "dot", "cross", "normalize", "faceforward", "reflect", "refract", "matrixCompMult", "outerProduct",
-      "transpose", "determinant", "inverse", "lessThan", "lessThanEqual", "greaterThan", "greaterThanEqual", "equal",
-      "notEqual", "any", "all", "not", "uaddCarry", "usubBorrow", "umulExtended", "imulExtended", "bitfieldExtract",
-      "bitfieldInsert", "bitfieldReverse", "bitCount", "findLSB", "findMSB", "packUnorm2x16", "packSnorm2x16",
-      "packUnorm4x8", "packSnorm4x8", "unpackUnorm2x16", "unpackSnorm2x16", "unpackUnorm4x8", "unpackSnorm4x8",
-      "packHalf2x16", "unpackHalf2x16"};
+  static const std::vector<std::string_view> names = {"radians",
+                                                      "degrees",
+                                                      "sin",
+                                                      "cos",
+                                                      "tan",
+                                                      "asin",
+                                                      "acos",
+                                                      "atan",
+                                                      "sinh",
+                                                      "cosh",
+                                                      "tanh",
+                                                      "asinh",
+                                                      "acosh",
+                                                      "atanh",
+                                                      "pow",
+                                                      "exp",
+                                                      "log",
+                                                      "exp2",
+                                                      "log2",
+                                                      "sqrt",
+                                                      "inversesqrt",
+                                                      "abs",
+                                                      "sign",
+                                                      "floor",
+                                                      "trunc",
+                                                      "round",
+                                                      "roundEven",
+                                                      "ceil",
+                                                      "fract",
+                                                      "mod",
+                                                      "modf",
+                                                      "min",
+                                                      "max",
+                                                      "clamp",
+                                                      "mix",
+                                                      "step",
+                                                      "smoothstep",
+                                                      "isnan",
+                                                      "isinf",
+                                                      "floatBitsToInt",
+                                                      "floatBitsToUint",
+                                                      "intBitsToFloat",
+                                                      "uintBitsToFloat",
+                                                      "fma",
+                                                      "frexp",
+                                                      "ldexp",
+                                                      "length",
+                                                      "distance",
+                                                      "dot",
+                                                      "cross",
+                                                      "normalize",
+                                                      "faceforward",
+                                                      "reflect",
+                                                      "refract",
+                                                      "matrixCompMult",
+                                                      "outerProduct",
+                                                      "transpose",
+                                                      "determinant",
+                                                      "inverse",
+                                                      "lessThan",
+                                                      "lessThanEqual",
+                                                      "greaterThan",
+                                                      "greaterThanEqual",
+                                                      "equal",
+                                                      "notEqual",
+                                                      "any",
+                                                      "all",
+                                                      "not",
+                                                      "uaddCarry",
+                                                      "usubBorrow",
+                                                      "umulExtended",
+                                                      "imulExtended",
+                                                      "bitfieldExtract",
+                                                      "bitfieldInsert",
+                                                      "bitfieldReverse",
+                                                      "bitCount",
+                                                      "findLSB",
+                                                      "findMSB",
+                                                      "packUnorm2x16",
+                                                      "packSnorm2x16",
+                                                      "packUnorm4x8",
+                                                      "packSnorm4x8",
+                                                      "unpackUnorm2x16",
+                                                      "unpackSnorm2x16",
+                                                      "unpackUnorm4x8",
+                                                      "unpackSnorm4x8",
+                                                      "packHalf2x16",
+                                                      "unpackHalf2x16"};
   return names;
 }
 
@@ -144,10 +275,10 @@ bool is_type(std::string_view word) {
 }
 
 bool is_keyword(std::string_view word) {
-  static const Words words = {"const", "in",     "out",    "inout",   "struct", "if",    "else",    "for",
-                              "while", "do",     "switch", "case",    "default", "break", "continue", "return",
-                              "true",  "false",  "lowp",   "mediump", "highp",  "precision", "precise", "discard",
-                              "static", "inline"};
+  static const Words words = {"const",     "in",      "out",     "inout",  "struct", "if",      "else",
+                              "for",       "while",   "do",      "switch", "case",   "default", "break",
+                              "continue",  "return",  "true",    "false",  "lowp",   "mediump", "highp",
+                              "precision", "precise", "discard", "static", "inline"};
   return words.contains(word);
 }
 
@@ -174,8 +305,9 @@ std::string_view legacy_spelling(std::string_view word) {
 
 std::string_view legacy_functions() {
   static const std::string text = [] {
-    std::string result = "float dmvv_log10(float x) { return log2(x) * 0.301029995663981195; }\n"
-                         "void dmvv_sincos(float x, out float s, out float c) { s = sin(x); c = cos(x); }\n";
+    std::string result =
+        "float dmvv_log10(float x) { return log2(x) * 0.301029995663981195; }\n"
+        "void dmvv_sincos(float x, out float s, out float c) { s = sin(x); c = cos(x); }\n";
     for (const std::string vec : {"float", "vec2", "vec3", "vec4"}) {
       result += vec + " dmvv_saturate(" + vec + " x) { return clamp(x, 0.0, 1.0); }\n";
       result += vec + " dmvv_fmod(" + vec + " x, " + vec + " y) { return x - y * trunc(x / y); }\n";

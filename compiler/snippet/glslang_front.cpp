@@ -69,8 +69,7 @@ Compiled compile_vertex_shader(const std::string& glsl) {
   shader.setEnvInput(glslang::EShSourceGlsl, EShLangVertex, glslang::EShClientVulkan, 100);
   shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_2);
   shader.setEnvTarget(glslang::EShTargetSpv, glslang::EShTargetSpv_1_5);
-  constexpr auto messages =
-      static_cast<EShMessages>(EShMsgSpvRules | EShMsgVulkanRules | EShMsgCascadingErrors);
+  constexpr auto messages = static_cast<EShMessages>(EShMsgSpvRules | EShMsgVulkanRules | EShMsgCascadingErrors);
   if (!shader.parse(GetDefaultResources(), 460, false, messages)) return {{}, parse_log(shader.getInfoLog())};
   glslang::TProgram program;
   program.addShader(&shader);

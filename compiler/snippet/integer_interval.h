@@ -60,7 +60,8 @@ struct IntegerIntervalOps {
 
   static IntegerInterval i_from_u(V a) {
     if (a.hi <= any_int.hi) return a;
-    return a.lo > any_int.hi ? IntegerInterval{a.lo - (std::int64_t{1} << 32), a.hi - (std::int64_t{1} << 32)} : any_int;
+    return a.lo > any_int.hi ? IntegerInterval{a.lo - (std::int64_t{1} << 32), a.hi - (std::int64_t{1} << 32)}
+                             : any_int;
   }
   static IntegerInterval u_from_i(V a) {
     if (a.lo >= 0) return a;
@@ -135,8 +136,9 @@ struct IntegerIntervalOps {
   static IntegerInterval u_mul(V a, V b) {
     if (a.is_point() && b.is_point()) return point(uint_of(a) * uint_of(b));
     const std::uint64_t most = static_cast<std::uint64_t>(a.hi) * static_cast<std::uint64_t>(b.hi);
-    return most > static_cast<std::uint64_t>(any_uint.hi) ? any_uint
-                                                          : IntegerInterval{a.lo * b.lo, static_cast<std::int64_t>(most)};
+    return most > static_cast<std::uint64_t>(any_uint.hi)
+               ? any_uint
+               : IntegerInterval{a.lo * b.lo, static_cast<std::int64_t>(most)};
   }
   static IntegerInterval u_div(V a, V b) {
     return contains(b, 0) ? any_uint : IntegerInterval{a.lo / b.hi, a.hi / b.lo};
@@ -184,9 +186,7 @@ struct IntegerIntervalOps {
   // ---- bool ----
   static IntegerInterval b_and(V a, V b) { return {a.lo & b.lo, a.hi & b.hi}; }
   static IntegerInterval b_or(V a, V b) { return {a.lo | b.lo, a.hi | b.hi}; }
-  static IntegerInterval b_xor(V a, V b) {
-    return a.is_point() && b.is_point() ? point(a.lo ^ b.lo) : any_bool;
-  }
+  static IntegerInterval b_xor(V a, V b) { return a.is_point() && b.is_point() ? point(a.lo ^ b.lo) : any_bool; }
   static IntegerInterval b_not(V a) { return {1 - a.hi, 1 - a.lo}; }
 };
 

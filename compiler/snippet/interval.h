@@ -36,24 +36,39 @@ constexpr DeviceError device_error(Op op) {
     case Op::f_sub:
     case Op::f_mul:
     case Op::f_fract:
-    case Op::f_ldexp: return {half_ulp, 0};            // V: correctly rounded
-    case Op::f_div: return {2.5 * ulp, 0};             // V
-    case Op::f_inversesqrt: return {2 * ulp, 0};       // V
-    case Op::f_sqrt: return {5 * ulp, 0};              // V: as 1 / inversesqrt
+    case Op::f_ldexp:
+      return {half_ulp, 0};  // V: correctly rounded
+    case Op::f_div:
+      return {2.5 * ulp, 0};  // V
+    case Op::f_inversesqrt:
+      return {2 * ulp, 0};  // V
+    case Op::f_sqrt:
+      return {5 * ulp, 0};  // V: as 1 / inversesqrt
     case Op::f_log:
-    case Op::f_log2: return {3 * ulp, 0x1p-21};        // V
-    case Op::f_tanh: return {4 * ulp, 1e-6};           // V: of exp, with cancellation at 0
+    case Op::f_log2:
+      return {3 * ulp, 0x1p-21};  // V
+    case Op::f_tanh:
+      return {4 * ulp, 1e-6};  // V: of exp, with cancellation at 0
     case Op::f_sin:
-    case Op::f_cos: return {0, 0x1p-21};               // M: 1.6e-7, argument reduction apart (V: 2^-11)
+    case Op::f_cos:
+      return {0, 0x1p-21};  // M: 1.6e-7, argument reduction apart (V: 2^-11)
     case Op::f_asin:
-    case Op::f_acos: return {4 * ulp, 5e-4};           // M: 3.9e-4 and 1.6e-4
-    case Op::f_atan: return {4 * ulp, 5e-6};           // M: 3.4e-6
-    case Op::f_atan2: return {4 * ulp, 1e-5};          // M: atan of a rounded quotient
-    case Op::f_asinh: return {8 * ulp, 1e-6};          // V: log(x + sqrt(x * x + 1)), cancellation at 0
-    case Op::f_acosh: return {8 * ulp, 1e-3};          // V: log(x + sqrt(x * x - 1)): the root of a rounding error at 1
-    case Op::f_atanh: return {8 * ulp, 1e-6};          // V: log((1 + x) / (1 - x)) / 2
-    case Op::f_smoothstep: return {0, 8 * half_ulp};   // V: the polynomial; its argument is composed
-    default: return {0, 0};
+    case Op::f_acos:
+      return {4 * ulp, 5e-4};  // M: 3.9e-4 and 1.6e-4
+    case Op::f_atan:
+      return {4 * ulp, 5e-6};  // M: 3.4e-6
+    case Op::f_atan2:
+      return {4 * ulp, 1e-5};  // M: atan of a rounded quotient
+    case Op::f_asinh:
+      return {8 * ulp, 1e-6};  // V: log(x + sqrt(x * x + 1)), cancellation at 0
+    case Op::f_acosh:
+      return {8 * ulp, 1e-3};  // V: log(x + sqrt(x * x - 1)): the root of a rounding error at 1
+    case Op::f_atanh:
+      return {8 * ulp, 1e-6};  // V: log((1 + x) / (1 - x)) / 2
+    case Op::f_smoothstep:
+      return {0, 8 * half_ulp};  // V: the polynomial; its argument is composed
+    default:
+      return {0, 0};
   }
 }
 
@@ -73,7 +88,7 @@ struct IntervalDomain : IntegerIntervalOps {
   static constexpr double infinity = std::numeric_limits<double>::infinity();
   static constexpr double pi = std::numbers::pi;
   static constexpr double largest = std::numeric_limits<float>::max();
-  static constexpr double denormal = 0x1p-126;     ///< a device may flush what is smaller
+  static constexpr double denormal = 0x1p-126;  ///< a device may flush what is smaller
   static constexpr double epsilon = 0x1p-52;
   static constexpr double unit = float32 ? 0x1p-23 : epsilon;  ///< one ulp of the coarser arithmetic
 
@@ -135,8 +150,8 @@ struct IntervalDomain : IntegerIntervalOps {
   static Interval f_add(R a, R b) {
     const bool opposite = (a.hi == infinity && b.lo == -infinity) || (a.lo == -infinity && b.hi == infinity);
     const double lo = a.lo + b.lo, hi = a.hi + b.hi;
-    return finish<Op::f_add>(outward(std::isnan(lo) ? -infinity : lo, std::isnan(hi) ? infinity : hi,
-                                     nan(a, b) || opposite));
+    return finish<Op::f_add>(
+        outward(std::isnan(lo) ? -infinity : lo, std::isnan(hi) ? infinity : hi, nan(a, b) || opposite));
   }
   static Interval f_neg(R a) { return {-a.hi, -a.lo, a.maybe_nan}; }
   static Interval f_sub(R a, R b) { return f_add(a, f_neg(b)); }
@@ -215,7 +230,7 @@ struct IntervalDomain : IntegerIntervalOps {
   }
   static Interval f_mix(R a, R b, R c) {
     const double error = 4 * unit * (size(a) + size(b)) * (1.0 + size(c));  // of either usual formula
-    if (!(error < 1e30)) return whole(true);  // products may overflow
+    if (!(error < 1e30)) return whole(true);                                // products may overflow
     const Interval composed = f_add(f_mul(a, f_sub({1.0, 1.0}, c)), f_mul(b, c));
     const Interval between = hull(a, b);
     const double beyond = std::fmax(0.0, std::fmax(-c.lo, c.hi - 1.0)) * (size(a) + size(b)) + error;
@@ -235,8 +250,8 @@ struct IntervalDomain : IntegerIntervalOps {
   // ---- roots, exponentials ----
   static Interval f_sqrt(R a) {
     const bool negative = a.lo < 0.0;
-    return finish<Op::f_sqrt>(outward(std::sqrt(std::fmax(a.lo, 0.0)), std::sqrt(std::fmax(a.hi, 0.0)),
-                                      a.maybe_nan || negative));
+    return finish<Op::f_sqrt>(
+        outward(std::sqrt(std::fmax(a.lo, 0.0)), std::sqrt(std::fmax(a.hi, 0.0)), a.maybe_nan || negative));
   }
   static Interval f_inversesqrt(R a) {
     if (a.lo <= 0.0) {  // the root of -0 is -0: its inverse may be -inf
@@ -254,8 +269,12 @@ struct IntervalDomain : IntegerIntervalOps {
     const double bounded = std::fmin(size(a), 1e3);  // beyond, the results are 0 and infinity
     return widen(exact, {(3.0 + 2.0 * bounded) * 0x1p-23, 0.0});
   }
-  static Interval f_exp(R a) { return exponential(a, [](double x) { return std::exp(x); }); }
-  static Interval f_exp2(R a) { return exponential(a, [](double x) { return std::exp2(x); }); }
+  static Interval f_exp(R a) {
+    return exponential(a, [](double x) { return std::exp(x); });
+  }
+  static Interval f_exp2(R a) {
+    return exponential(a, [](double x) { return std::exp2(x); });
+  }
   /// Of negative numbers a device may give anything up to the logarithm of their size.
   template <Op op>
   static Interval logarithm(R a, double (*f)(double)) {
@@ -264,8 +283,12 @@ struct IntervalDomain : IntegerIntervalOps {
     const double hi = largest_argument <= 0.0 ? -infinity : f(largest_argument);
     return finish<op>(margin(lo, hi, a.maybe_nan || a.lo < 0.0));
   }
-  static Interval f_log(R a) { return logarithm<Op::f_log>(a, [](double x) { return std::log(x); }); }
-  static Interval f_log2(R a) { return logarithm<Op::f_log2>(a, [](double x) { return std::log2(x); }); }
+  static Interval f_log(R a) {
+    return logarithm<Op::f_log>(a, [](double x) { return std::log(x); });
+  }
+  static Interval f_log2(R a) {
+    return logarithm<Op::f_log2>(a, [](double x) { return std::log2(x); });
+  }
   /// As exp2(b * log2(a)): 0^0, inf^0 and 1^inf may be NaN, negative numbers are.
   static Interval f_pow(R a, R b) {
     if (a.lo < 0.0 || (a.lo == 0.0 && b.lo <= 0.0) || infinite(b)) return whole(true);
@@ -275,7 +298,9 @@ struct IntervalDomain : IntegerIntervalOps {
     Interval exact = margin(lo, hi, maybe);
     exact.lo = std::fmax(exact.lo, 0.0);
     exact.hi = std::fmax(exact.hi, std::numeric_limits<double>::denorm_min());
-    const auto exponent = [](double x) { return x > 0.0 && std::isfinite(x) ? std::fmin(std::abs(std::log2(x)), 1e3) : 200.0; };
+    const auto exponent = [](double x) {
+      return x > 0.0 && std::isfinite(x) ? std::fmin(std::abs(std::log2(x)), 1e3) : 200.0;
+    };
     const double most = std::fmax(exponent(lo), exponent(hi));
     // V: exp2's 3 + 2|x| ulp, and what the rounded log2 and product add to its argument.
     const double argument_error = size(b) * 0x1p-21 + 4.0 * most * 0x1p-23;
@@ -305,8 +330,14 @@ struct IntervalDomain : IntegerIntervalOps {
     error.absolute += 0x1p-24 * size(a);  // of an argument scaled by 1 / 2 pi
     return widen(exact, error);
   }
-  static Interval f_sin(R a) { return wave(a, [](double x) { return std::sin(x); }, pi / 2, -pi / 2); }
-  static Interval f_cos(R a) { return wave(a, [](double x) { return std::cos(x); }, 0.0, pi); }
+  static Interval f_sin(R a) {
+    return wave(
+        a, [](double x) { return std::sin(x); }, pi / 2, -pi / 2);
+  }
+  static Interval f_cos(R a) {
+    return wave(
+        a, [](double x) { return std::cos(x); }, 0.0, pi);
+  }
   /// A quotient of sine and cosine, whose errors grow with the square of the tangent.
   static Interval f_tan(R a) {
     if (infinite(a) || size(a) > 1e7 || a.hi - a.lo >= pi || hits(a, pi / 2, pi)) return whole(nan(a) || infinite(a));
@@ -326,13 +357,15 @@ struct IntervalDomain : IntegerIntervalOps {
     const double lo = std::acos(std::clamp(a.hi, -1.0, 1.0)), hi = std::acos(std::clamp(a.lo, -1.0, 1.0));
     return finish<Op::f_acos>(margin(lo, hi, a.maybe_nan || outside));
   }
-  static Interval f_atan(R a) { return finish<Op::f_atan>(rising(a, [](double x) { return std::atan(x); })); }
+  static Interval f_atan(R a) {
+    return finish<Op::f_atan>(rising(a, [](double x) { return std::atan(x); }));
+  }
   /// Extreme angles of a box that does not touch the negative x axis are at its corners.
   static Interval f_atan2(R y, R x) {
     const Interval turn{-pi - 1e-15, pi + 1e-15, nan(x, y) || infinite(x) || infinite(y)};
     if (infinite(x) || infinite(y) || (x.lo <= 0.0 && contains(y, 0.0))) return finish<Op::f_atan2>(turn);
-    const auto [lo, hi] = std::minmax(
-        {std::atan2(y.lo, x.lo), std::atan2(y.lo, x.hi), std::atan2(y.hi, x.lo), std::atan2(y.hi, x.hi)});
+    const auto [lo, hi] =
+        std::minmax({std::atan2(y.lo, x.lo), std::atan2(y.lo, x.hi), std::atan2(y.hi, x.lo), std::atan2(y.hi, x.hi)});
     return finish<Op::f_atan2>(margin(lo, hi, nan(x, y)));
   }
 
@@ -341,12 +374,16 @@ struct IntervalDomain : IntegerIntervalOps {
     const double bounded = std::fmin(size(a), 1e3);
     return widen(exact, {(8.0 + 4.0 * bounded) * 0x1p-23, 8 * 0x1p-23});
   }
-  static Interval f_sinh(R a) { return hyperbolic(rising(a, [](double x) { return std::sinh(x); }), a); }
+  static Interval f_sinh(R a) {
+    return hyperbolic(rising(a, [](double x) { return std::sinh(x); }), a);
+  }
   static Interval f_cosh(R a) {
     const Interval magnitude = f_abs(a);
     return hyperbolic(rising(magnitude, [](double x) { return std::cosh(x); }), a);
   }
-  static Interval f_tanh(R a) { return finish<Op::f_tanh>(rising(a, [](double x) { return std::tanh(x); })); }
+  static Interval f_tanh(R a) {
+    return finish<Op::f_tanh>(rising(a, [](double x) { return std::tanh(x); }));
+  }
   static Interval f_asinh(R a) {
     const Interval exact = rising(a, [](double x) { return std::asinh(x); });
     return float32 && size(a) > 1e18 ? whole(nan(a)) : finish<Op::f_asinh>(exact);  // the square overflows
@@ -368,8 +405,7 @@ struct IntervalDomain : IntegerIntervalOps {
     const auto scaled = [](double x, std::int64_t exponent) {
       return corner(std::ldexp(x, static_cast<int>(std::clamp<std::int64_t>(exponent, -10000, 10000))), x == 0.0);
     };
-    const auto [lo, hi] =
-        std::minmax({scaled(a.lo, b.lo), scaled(a.lo, b.hi), scaled(a.hi, b.lo), scaled(a.hi, b.hi)});
+    const auto [lo, hi] = std::minmax({scaled(a.lo, b.lo), scaled(a.lo, b.hi), scaled(a.hi, b.lo), scaled(a.hi, b.hi)});
     return finish<Op::f_ldexp>(outward(lo, hi, a.maybe_nan));
   }
   static Interval f_frexp_mantissa(R a) {

@@ -62,11 +62,11 @@ void execute(const Instruction& instruction, Cell<Domain>* cells) {
     }
   };
   switch (instruction.op) {
-#define DMVV_OP(name, result, operands)                                                                   \
-  case Op::name:                                                                                          \
-    if constexpr (operands[0] != 'a') {                                                                   \
-      apply.template operator()<#result, operands>([](const auto&... x) { return Domain::name(x...); });  \
-    }                                                                                                     \
+#define DMVV_OP(name, result, operands)                                                                  \
+  case Op::name:                                                                                         \
+    if constexpr (operands[0] != 'a') {                                                                  \
+      apply.template operator()<#result, operands>([](const auto&... x) { return Domain::name(x...); }); \
+    }                                                                                                    \
     break;
 #include "compiler/snippet/ops.def"
 #undef DMVV_OP

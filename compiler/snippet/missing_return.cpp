@@ -108,8 +108,6 @@ class Module {
 
 }  // namespace
 
-std::vector<std::string> functions_without_return(std::span<const std::uint32_t> spirv) {
-  return Module(spirv).result;
-}
+std::vector<std::string> functions_without_return(std::span<const std::uint32_t> spirv) { return Module(spirv).result; }
 
 }  // namespace dmvv::compiler::snippet

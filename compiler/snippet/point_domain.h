@@ -116,44 +116,134 @@ struct PointDomain : IntegerOps {
   static T f_mul(const T& a, const T& b) { return a * b; }
   static T f_div(const T& a, const T& b) { return a / b; }
   static T f_neg(const T& a) { return -a; }
-  static T f_fma(const T& a, const T& b, const T& c) { using std::fma; return fma(a, b, c); }
-  static T f_mod(const T& a, const T& b) { using std::floor; return a - b * floor(a / b); }
-  static T f_rem(const T& a, const T& b) { using std::trunc; return a - b * trunc(a / b); }
+  static T f_fma(const T& a, const T& b, const T& c) {
+    using std::fma;
+    return fma(a, b, c);
+  }
+  static T f_mod(const T& a, const T& b) {
+    using std::floor;
+    return a - b * floor(a / b);
+  }
+  static T f_rem(const T& a, const T& b) {
+    using std::trunc;
+    return a - b * trunc(a / b);
+  }
   static T f_min(const T& a, const T& b) { return isnan(a) || b < a ? b : a; }
   static T f_max(const T& a, const T& b) { return isnan(a) || a < b ? b : a; }
-  static T f_abs(const T& a) { using std::abs; return abs(a); }
+  static T f_abs(const T& a) {
+    using std::abs;
+    return abs(a);
+  }
   static T f_sign(const T& a) { return T(double((value(a) > 0.0) - (value(a) < 0.0))); }
-  static T f_floor(const T& a) { using std::floor; return floor(a); }
-  static T f_ceil(const T& a) { using std::ceil; return ceil(a); }
-  static T f_trunc(const T& a) { using std::trunc; return trunc(a); }
-  static T f_round(const T& a) { using std::nearbyint; return nearbyint(a); }
-  static T f_fract(const T& a) { using std::floor; return a - floor(a); }
-  static T f_sqrt(const T& a) { using std::sqrt; return sqrt(a); }
-  static T f_inversesqrt(const T& a) { using std::sqrt; return T(1.0) / sqrt(a); }
-  static T f_exp(const T& a) { using std::exp; return exp(a); }
-  static T f_exp2(const T& a) { using std::exp2; return exp2(a); }
-  static T f_log(const T& a) { using std::log; return log(a); }
-  static T f_log2(const T& a) { using std::log2; return log2(a); }
-  static T f_pow(const T& a, const T& b) { using std::pow; return value(a) < 0.0 ? nan() : pow(a, b); }
-  static T f_sin(const T& a) { using std::sin; return sin(a); }
-  static T f_cos(const T& a) { using std::cos; return cos(a); }
-  static T f_tan(const T& a) { using std::tan; return tan(a); }
-  static T f_asin(const T& a) { using std::asin; return asin(a); }
-  static T f_acos(const T& a) { using std::acos; return acos(a); }
-  static T f_atan(const T& a) { using std::atan; return atan(a); }
-  static T f_atan2(const T& a, const T& b) { using std::atan2; return atan2(a, b); }
-  static T f_sinh(const T& a) { using std::sinh; return sinh(a); }
-  static T f_cosh(const T& a) { using std::cosh; return cosh(a); }
-  static T f_tanh(const T& a) { using std::tanh; return tanh(a); }
-  static T f_asinh(const T& a) { using std::asinh; return asinh(a); }
-  static T f_acosh(const T& a) { using std::acosh; return acosh(a); }
-  static T f_atanh(const T& a) { using std::atanh; return atanh(a); }
+  static T f_floor(const T& a) {
+    using std::floor;
+    return floor(a);
+  }
+  static T f_ceil(const T& a) {
+    using std::ceil;
+    return ceil(a);
+  }
+  static T f_trunc(const T& a) {
+    using std::trunc;
+    return trunc(a);
+  }
+  static T f_round(const T& a) {
+    using std::nearbyint;
+    return nearbyint(a);
+  }
+  static T f_fract(const T& a) {
+    using std::floor;
+    return a - floor(a);
+  }
+  static T f_sqrt(const T& a) {
+    using std::sqrt;
+    return sqrt(a);
+  }
+  static T f_inversesqrt(const T& a) {
+    using std::sqrt;
+    return T(1.0) / sqrt(a);
+  }
+  static T f_exp(const T& a) {
+    using std::exp;
+    return exp(a);
+  }
+  static T f_exp2(const T& a) {
+    using std::exp2;
+    return exp2(a);
+  }
+  static T f_log(const T& a) {
+    using std::log;
+    return log(a);
+  }
+  static T f_log2(const T& a) {
+    using std::log2;
+    return log2(a);
+  }
+  static T f_pow(const T& a, const T& b) {
+    using std::pow;
+    return value(a) < 0.0 ? nan() : pow(a, b);
+  }
+  static T f_sin(const T& a) {
+    using std::sin;
+    return sin(a);
+  }
+  static T f_cos(const T& a) {
+    using std::cos;
+    return cos(a);
+  }
+  static T f_tan(const T& a) {
+    using std::tan;
+    return tan(a);
+  }
+  static T f_asin(const T& a) {
+    using std::asin;
+    return asin(a);
+  }
+  static T f_acos(const T& a) {
+    using std::acos;
+    return acos(a);
+  }
+  static T f_atan(const T& a) {
+    using std::atan;
+    return atan(a);
+  }
+  static T f_atan2(const T& a, const T& b) {
+    using std::atan2;
+    return atan2(a, b);
+  }
+  static T f_sinh(const T& a) {
+    using std::sinh;
+    return sinh(a);
+  }
+  static T f_cosh(const T& a) {
+    using std::cosh;
+    return cosh(a);
+  }
+  static T f_tanh(const T& a) {
+    using std::tanh;
+    return tanh(a);
+  }
+  static T f_asinh(const T& a) {
+    using std::asinh;
+    return asinh(a);
+  }
+  static T f_acosh(const T& a) {
+    using std::acosh;
+    return acosh(a);
+  }
+  static T f_atanh(const T& a) {
+    using std::atanh;
+    return atanh(a);
+  }
   static T f_mix(const T& a, const T& b, const T& c) { return a * (T(1.0) - c) + b * c; }
   static T f_smoothstep(const T& edge0, const T& edge1, const T& x) {
     const T s = f_min(f_max((x - edge0) / (edge1 - edge0), T(0.0)), T(1.0));
     return s * s * (T(3.0) - T(2.0) * s);
   }
-  static T f_ldexp(const T& a, I b) { using std::ldexp; return ldexp(a, b); }
+  static T f_ldexp(const T& a, I b) {
+    using std::ldexp;
+    return ldexp(a, b);
+  }
   static T f_frexp_mantissa(const T& a) {
     using std::frexp;
     int exponent = 0;

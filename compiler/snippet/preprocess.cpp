@@ -50,7 +50,8 @@ class Preprocessor {
   }
 
   void expand(std::span<const Token> tokens, Tokens& out, Names& active);
-  std::size_t expand_call(const Macro& macro, std::span<const Token> tokens, std::size_t at, Tokens& out, Names& active);
+  std::size_t expand_call(const Macro& macro, std::span<const Token> tokens, std::size_t at, Tokens& out,
+                          Names& active);
   Tokens substitute(const Macro& macro, const std::vector<Tokens>& arguments, const Token& use) const;
 
   struct Condition {
@@ -155,9 +156,10 @@ void Preprocessor::expand(std::span<const Token> tokens, Tokens& out, Names& act
   for (std::size_t i = 0; i < tokens.size(); ++i) {
     const Token& token = tokens[i];
     if (++work_ > 8 * max_tokens || out.size() > max_tokens || active.size() > max_depth) {
-      throw TooLarge{token, fmt::format("the text is too long here: with its macros it has more than {} tokens, or they "
-                                        "are nested more than {} deep",
-                                        max_tokens, max_depth)};
+      throw TooLarge{token,
+                     fmt::format("the text is too long here: with its macros it has more than {} tokens, or they "
+                                 "are nested more than {} deep",
+                                 max_tokens, max_depth)};
     }
     const auto found = token.is_identifier() ? macros_.find(token.word) : macros_.end();
     if (found == macros_.end() || std::find(active.begin(), active.end(), token.word) != active.end()) {
@@ -222,7 +224,8 @@ Tokens Preprocessor::substitute(const Macro& macro, const std::vector<Tokens>& a
       token.end = use.end;
       result.push_back(token);
     }
-    if (result.size() > max_tokens) throw TooLarge{use, fmt::format("this macro makes more than {} tokens", max_tokens)};
+    if (result.size() > max_tokens)
+      throw TooLarge{use, fmt::format("this macro makes more than {} tokens", max_tokens)};
   }
   return result;
 }
@@ -245,7 +248,8 @@ void check_tokens(const Tokens& tokens, Prepared& result) {
 
 std::string_view closing_of(std::string_view opening) { return opening == "(" ? ")" : opening == "[" ? "]" : "}"; }
 
-/// Every bracket closes the one it should, within the text: a body cannot end early, and no fault moves to another text.
+/// Every bracket closes the one it should, within the text: a body cannot end early, and no fault moves to another
+/// text.
 void check_brackets(const Tokens& tokens, Prepared& result) {
   const auto fault = [&](const Token& token, std::string message) {
     result.faults.push_back({Code::snippet_syntax, token, std::move(message)});
@@ -278,10 +282,10 @@ void check_limits(const Tokens& tokens, Prepared& result) {
     statement = token.is(";") || token.is("{") || token.is("}") ? 0 : statement + 1;
     chain += token.is("else") || token.is("for");
     if (statement <= max_statement && chain <= max_chain) continue;
-    result.faults.push_back(
-        {Code::snippet_syntax, token,
-         statement > max_statement ? fmt::format("this statement is longer than {} tokens", max_statement)
-                                   : fmt::format("there are more than {} 'else' and 'for' up to here", max_chain)});
+    result.faults.push_back({Code::snippet_syntax, token,
+                             statement > max_statement
+                                 ? fmt::format("this statement is longer than {} tokens", max_statement)
+                                 : fmt::format("there are more than {} 'else' and 'for' up to here", max_chain)});
     result.complete = false;
     return;
   }

@@ -18,10 +18,14 @@ constexpr char letter(Type type) { return "fiub"[static_cast<int>(type)]; }
 
 std::string text_of(const Constant& constant) {
   switch (constant.type) {
-    case Type::real: return fmt::format("{}", std::bit_cast<float>(constant.bits));
-    case Type::integer: return fmt::format("{}", static_cast<std::int32_t>(constant.bits));
-    case Type::unsigned_integer: return fmt::format("{}u", constant.bits);
-    case Type::boolean: return constant.bits != 0 ? "true" : "false";
+    case Type::real:
+      return fmt::format("{}", std::bit_cast<float>(constant.bits));
+    case Type::integer:
+      return fmt::format("{}", static_cast<std::int32_t>(constant.bits));
+    case Type::unsigned_integer:
+      return fmt::format("{}u", constant.bits);
+    case Type::boolean:
+      return constant.bits != 0 ? "true" : "false";
   }
   return {};
 }
@@ -36,8 +40,9 @@ std::string text_of(const Program& program, Register r) {
 
 std::string text_of(const Program& program, const Instruction& instruction) {
   const OpInfo& op = info(instruction.op);
-  std::string text = op.result == '-' ? std::string(op.name)
-                                      : fmt::format("{}:{} = {}", text_of(program, instruction.result), op.result, op.name);
+  std::string text = op.result == '-'
+                         ? std::string(op.name)
+                         : fmt::format("{}:{} = {}", text_of(program, instruction.result), op.result, op.name);
   for (std::size_t i = 0; i < op.operands.size(); ++i) {
     const Register r = instruction.operands[i];
     text += op.operands[i] == 'a' ? fmt::format(" a{}", r) : ' ' + text_of(program, r);
@@ -66,9 +71,15 @@ void append(std::string& out, const Program& program, const Sequence& sequence, 
         nested("loop", node.body);
         if (!node.other.empty()) nested("continuing", node.other);
         break;
-      case Node::Kind::block: nested("block", node.body); break;
-      case Node::Kind::leave: out += margin + "leave\n"; break;
-      case Node::Kind::repeat: out += margin + "repeat\n"; break;
+      case Node::Kind::block:
+        nested("block", node.body);
+        break;
+      case Node::Kind::leave:
+        out += margin + "leave\n";
+        break;
+      case Node::Kind::repeat:
+        out += margin + "repeat\n";
+        break;
     }
   }
 }
@@ -76,6 +87,15 @@ void append(std::string& out, const Program& program, const Sequence& sequence, 
 }  // namespace
 
 const OpInfo& info(Op op) { return op_table[static_cast<std::size_t>(op)]; }
+
+Type type_of_letter(char letter) {
+  switch (letter) {
+    case 'f': return Type::real;
+    case 'i': return Type::integer;
+    case 'u': return Type::unsigned_integer;
+    default: return Type::boolean;
+  }
+}
 
 Type Program::type(Register r) const {
   if (r < input_count) return Type::real;

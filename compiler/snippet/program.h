@@ -26,6 +26,9 @@ struct OpInfo {
 };
 const OpInfo& info(Op op);
 
+/// Of f, i, u or b.
+Type type_of_letter(char letter);
+
 /// A register, or the number of an array where the operation says so.
 using Register = std::uint32_t;
 
@@ -43,12 +46,12 @@ using Sequence = std::vector<Node>;
 /// Structured control flow, as GLSL has it.
 struct Node {
   enum class Kind : std::uint8_t {
-    run,         ///< instructions [first, first + count)
-    branch,      ///< if (condition) body else other
-    loop,        ///< for (;;) { body; other }: `other` runs after body and at each repeat; empty without repeats
-    block,       ///< body once; a break inside leaves it: switch (0) { default: body }
-    leave,       ///< break: out of the innermost loop or block
-    repeat,      ///< continue: of the innermost loop, through any blocks in between; never inside a loop's `other`
+    run,     ///< instructions [first, first + count)
+    branch,  ///< if (condition) body else other
+    loop,    ///< for (;;) { body; other }: `other` runs after body and at each repeat; empty without repeats
+    block,   ///< body once; a break inside leaves it: switch (0) { default: body }
+    leave,   ///< break: out of the innermost loop or block
+    repeat,  ///< continue: of the innermost loop, through any blocks in between; never inside a loop's `other`
   };
   Kind kind = Kind::run;
   std::uint32_t first = 0;
@@ -78,7 +81,8 @@ struct Array {
 /// Registers are numbered in four groups, in this order:
 ///   inputs     p.x, p.y, p.z, t: never assigned;
 ///   constants  never assigned;
-///   variables  assigned any number of times, anywhere; zero at the start. They are what was a phi, a value used outside
+///   variables  assigned any number of times, anywhere; zero at the start. They are what was a phi, a value used
+///   outside
 ///              the sequence that computes it, or a variable: declare them first. A join of branches or of rounds of a
 ///              loop need only look at variables and arrays;
 ///   temporaries  assigned by exactly one instruction, and used only after it, in its sequence or in sequences inside

@@ -12,15 +12,6 @@ namespace {
 
 constexpr Register unnumbered = 0xffffffffu;
 
-Type type_of_letter(char letter) {
-  switch (letter) {
-    case 'f': return Type::real;
-    case 'i': return Type::integer;
-    case 'u': return Type::unsigned_integer;
-    default: return Type::boolean;
-  }
-}
-
 Op copy_op(Type type) {
   constexpr Op ops[] = {Op::f_copy, Op::i_copy, Op::u_copy, Op::b_copy};
   return ops[static_cast<std::size_t>(type)];
@@ -244,10 +235,14 @@ Program ProgramBuilder::number(const Sequence& body, Register result) {
 
   const auto finally = [&](Register r) {
     switch (registers_[r].kind) {
-      case Kind::input: return r;
-      case Kind::constant: return program.first_constant() + numbers[r];
-      case Kind::variable: return program.first_variable() + numbers[r];
-      case Kind::temporary: break;
+      case Kind::input:
+        return r;
+      case Kind::constant:
+        return program.first_constant() + numbers[r];
+      case Kind::variable:
+        return program.first_variable() + numbers[r];
+      case Kind::temporary:
+        break;
     }
     return program.first_temporary() + numbers[r];
   };

@@ -46,7 +46,8 @@ class Reader {
   bool failed() const { return !values_.error().empty(); }
 
   Construct* innermost_loop() {
-    const auto place = std::find_if(constructs_.rbegin(), constructs_.rend(), [](const Construct& c) { return c.next != 0; });
+    const auto place =
+        std::find_if(constructs_.rbegin(), constructs_.rend(), [](const Construct& c) { return c.next != 0; });
     return place == constructs_.rend() ? nullptr : &*place;
   }
 
@@ -147,7 +148,8 @@ class Reader {
     const auto& operands = current.terminator.operands;
     const SpirvId merge = current.merge.opcode == spv::OpSelectionMerge ? current.merge.operands[0] : 0;
     switch (current.terminator.opcode) {
-      case spv::OpBranch: return follow(label, operands[0], stop) ? operands[0] : 0;
+      case spv::OpBranch:
+        return follow(label, operands[0], stop) ? operands[0] : 0;
       case spv::OpBranchConditional:
         return merge != 0 ? selection(label, operands, merge) : exit_or_split(label, operands, stop);
       case spv::OpSwitch:
@@ -155,7 +157,8 @@ class Reader {
         values_.refuse("its control flow is not structured");
         return 0;
       case spv::OpReturn:
-      case spv::OpUnreachable: return 0;
+      case spv::OpUnreachable:
+        return 0;
       default:
         values_.refuse(opcode_name(current.terminator.opcode) + " is not something a distance function can use");
         return 0;
@@ -336,7 +339,8 @@ class Reader {
     return {reversed.rbegin(), reversed.rend()};
   }
 
-  /// A flag a case says whether the flow enters it: by its literals, or from the case before. One `if` a case, in order.
+  /// A flag a case says whether the flow enters it: by its literals, or from the case before. One `if` a case, in
+  /// order.
   void flagged_cases(SpirvId label, Register selector, const std::vector<Case>& cases, SpirvId merge) {
     Register none = builder_.constant(Type::boolean, 1);
     for (const Case& one : cases) {
@@ -394,16 +398,17 @@ std::vector<spvtools::Optimizer::PassToken> list(Passes... passes) {
   return out;
 }
 
-/// Removes access chains that nothing uses: they are left over from the passes, and keep variables from becoming values.
-/// A literal that looks like the id keeps the chain; that costs a little speed only.
+/// Removes access chains that nothing uses: they are left over from the passes, and keep variables from becoming
+/// values. A literal that looks like the id keeps the chain; that costs a little speed only.
 Words without_unused_chains(const Words& words) {
   std::map<std::uint32_t, int> mentions;
   for (const std::uint32_t word : words) ++mentions[word];
   Words out(words.begin(), words.begin() + 5);
   for (std::size_t at = 5; at < words.size(); at += words[at] >> 16) {
     const bool unused = (words[at] & 0xffffu) == spv::OpAccessChain && mentions[words[at + 2]] == 1;
-    if (!unused) out.insert(out.end(), words.begin() + static_cast<std::ptrdiff_t>(at),
-                            words.begin() + static_cast<std::ptrdiff_t>(at + (words[at] >> 16)));
+    if (!unused)
+      out.insert(out.end(), words.begin() + static_cast<std::ptrdiff_t>(at),
+                 words.begin() + static_cast<std::ptrdiff_t>(at + (words[at] >> 16)));
   }
   return out;
 }

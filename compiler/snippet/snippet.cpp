@@ -31,8 +31,8 @@ Interval Snippet::evaluate(const Box& p, const Interval& t_ms, Rounding rounding
 }
 
 Dual Snippet::differentiate(const glm::dvec3& p, double t_ms) const {
-  const std::array<DualNumber, Program::input_count> inputs{DualNumber(p.x, {1, 0, 0, 0}), {p.y, {0, 1, 0, 0}},
-                                                            {p.z, {0, 0, 1, 0}}, {t_ms, {0, 0, 0, 1}}};
+  const std::array<DualNumber, Program::input_count> inputs{
+      DualNumber(p.x, {1, 0, 0, 0}), {p.y, {0, 1, 0, 0}}, {p.z, {0, 0, 1, 0}}, {t_ms, {0, 0, 0, 1}}};
   const DualNumber f = evaluate_point<DualNumber>(*program_, inputs).f;
   return {f.value, {f.d[0], f.d[1], f.d[2]}, f.d[3]};
 }

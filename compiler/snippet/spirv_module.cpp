@@ -79,8 +79,12 @@ class Parser {
           module_.locations[instruction.operands[0]] = instruction.operands[2];
         }
         break;
-      case spv::OpFunction: in_entry_ = instruction.result == entry_; break;
-      case spv::OpFunctionEnd: in_entry_ = false; break;
+      case spv::OpFunction:
+        in_entry_ = instruction.result == entry_;
+        break;
+      case spv::OpFunctionEnd:
+        in_entry_ = false;
+        break;
       default:
         if (in_entry_) {
           read_in_function(instruction);
@@ -122,24 +126,36 @@ class Parser {
     SpirvType type;
     const auto& operands = instruction.operands;
     switch (instruction.opcode) {
-      case spv::OpTypeBool: type = scalar(Type::boolean); break;
+      case spv::OpTypeBool:
+        type = scalar(Type::boolean);
+        break;
       case spv::OpTypeInt:
         type = scalar(operands[1] != 0 ? Type::integer : Type::unsigned_integer);
-        if (operands[0] != 32) error_ = fmt::format("integers of {} bits are not known here; use int or uint", operands[0]);
+        if (operands[0] != 32)
+          error_ = fmt::format("integers of {} bits are not known here; use int or uint", operands[0]);
         break;
       case spv::OpTypeFloat:
         type = scalar(Type::real);
         if (operands[0] != 32) error_ = fmt::format("floats of {} bits are not known here; use float", operands[0]);
         break;
-      case spv::OpTypeVector: type = repeated(SpirvType::Kind::vector, operands[0], operands[1]); break;
-      case spv::OpTypeMatrix: type = repeated(SpirvType::Kind::matrix, operands[0], operands[1]); break;
-      case spv::OpTypeArray: type = repeated(SpirvType::Kind::array, operands[0], length_of(operands[1])); break;
-      case spv::OpTypeStruct: type = structure(operands); break;
+      case spv::OpTypeVector:
+        type = repeated(SpirvType::Kind::vector, operands[0], operands[1]);
+        break;
+      case spv::OpTypeMatrix:
+        type = repeated(SpirvType::Kind::matrix, operands[0], operands[1]);
+        break;
+      case spv::OpTypeArray:
+        type = repeated(SpirvType::Kind::array, operands[0], length_of(operands[1]));
+        break;
+      case spv::OpTypeStruct:
+        type = structure(operands);
+        break;
       case spv::OpTypePointer:
         type.kind = SpirvType::Kind::pointer;
         type.members = {operands[1]};
         break;
-      default: break;  // void, function; whatever else there is, its use is refused
+      default:
+        break;  // void, function; whatever else there is, its use is refused
     }
     module_.types[instruction.result] = std::move(type);
   }
@@ -167,8 +183,11 @@ class Parser {
   }
 
   SpirvType structure(std::span<const std::uint32_t> members) {
-    SpirvType type{.kind = SpirvType::Kind::structure, .members = {members.begin(), members.end()},
-                   .count = static_cast<std::uint32_t>(members.size()), .size = 0, .leaves = 0};
+    SpirvType type{.kind = SpirvType::Kind::structure,
+                   .members = {members.begin(), members.end()},
+                   .count = static_cast<std::uint32_t>(members.size()),
+                   .size = 0,
+                   .leaves = 0};
     for (const SpirvId member : members) {
       type.size += module_.types[member].size;
       type.leaves += module_.types[member].leaves;
@@ -212,8 +231,8 @@ Result<std::uint64_t> inlined_size(CallGraph& graph, SpirvId id, std::uint64_t l
     if (!size) return size;
     function.inlined += *size;
     if (function.inlined > limit) {
-      return fail(Fault::input, fmt::format("'{}' grows beyond {} instructions when its calls are inlined", function.name,
-                                            limit));
+      return fail(Fault::input,
+                  fmt::format("'{}' grows beyond {} instructions when its calls are inlined", function.name, limit));
     }
   }
   function.state = State::done;
@@ -236,7 +255,8 @@ Result<void> check_calls(std::span<const std::uint32_t> words, std::uint64_t lim
       if (names.contains(instruction.result)) current->name = names[instruction.result];
     }
     if (current != nullptr) ++current->own;
-    if (current != nullptr && opcode == spv::OpFunctionCall && !instruction.operands.empty()) current->calls.push_back(instruction.operands[0]);
+    if (current != nullptr && opcode == spv::OpFunctionCall && !instruction.operands.empty())
+      current->calls.push_back(instruction.operands[0]);
     return true;
   });
   if (!whole) return fail(Fault::input, "the SPIR-V is cut short");

@@ -16,8 +16,8 @@ using SpirvId = std::uint32_t;
 
 struct SpirvInstruction {
   std::uint16_t opcode = 0;
-  SpirvId type = 0;    ///< 0 if it has none
-  SpirvId result = 0;  ///< 0 if it has none
+  SpirvId type = 0;                         ///< 0 if it has none
+  SpirvId result = 0;                       ///< 0 if it has none
   std::span<const std::uint32_t> operands;  ///< after type and result
 };
 

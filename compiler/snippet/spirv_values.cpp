@@ -66,13 +66,17 @@ Scalars SpirvValues::constant_value(const SpirvInstruction& definition) {
   const Type type = type_of(definition.type).scalar;
   switch (definition.opcode) {
     case spv::OpConstantTrue:
-    case spv::OpSpecConstantTrue: return {builder_.constant(Type::boolean, 1)};
+    case spv::OpSpecConstantTrue:
+      return {builder_.constant(Type::boolean, 1)};
     case spv::OpConstantFalse:
-    case spv::OpSpecConstantFalse: return {builder_.constant(Type::boolean, 0)};
+    case spv::OpSpecConstantFalse:
+      return {builder_.constant(Type::boolean, 0)};
     case spv::OpConstant:
-    case spv::OpSpecConstant: return {builder_.constant(type, definition.operands[0])};
+    case spv::OpSpecConstant:
+      return {builder_.constant(type, definition.operands[0])};
     case spv::OpConstantNull:
-    case spv::OpUndef: return zeros(definition.type);
+    case spv::OpUndef:
+      return zeros(definition.type);
     case spv::OpConstantComposite:
     case spv::OpSpecConstantComposite: {
       Scalars out;
@@ -82,7 +86,9 @@ Scalars SpirvValues::constant_value(const SpirvInstruction& definition) {
       }
       return out;
     }
-    default: refuse(opcode_name(definition.opcode) + " is not known here"); return zeros(definition.type);
+    default:
+      refuse(opcode_name(definition.opcode) + " is not known here");
+      return zeros(definition.type);
   }
 }
 
@@ -141,11 +147,14 @@ void SpirvValues::declare_leaves(SpirvId id, std::uint32_t copies, Variable& var
     case SpirvType::Kind::matrix:
       for (std::uint32_t i = 0; i < type.count; ++i) declare_leaves(type.members[0], copies, variable);
       break;
-    case SpirvType::Kind::array: declare_leaves(type.members[0], copies * type.count, variable); break;
+    case SpirvType::Kind::array:
+      declare_leaves(type.members[0], copies * type.count, variable);
+      break;
     case SpirvType::Kind::structure:
       for (const SpirvId member : type.members) declare_leaves(member, copies, variable);
       break;
-    default: refuse("a variable is neither number nor composite of numbers");
+    default:
+      refuse("a variable is neither number nor composite of numbers");
   }
 }
 
@@ -175,7 +184,8 @@ void SpirvValues::declare(const SpirvInstruction& instruction) {
   }
   variables_[instruction.result] = std::move(variable);
   places_[instruction.result] = {.variable = instruction.result, .type = type, .dynamic = {}, .choices = {}};
-  if (instruction.operands.size() > 1 && error_.empty()) store(places_[instruction.result], value(instruction.operands[1]));
+  if (instruction.operands.size() > 1 && error_.empty())
+    store(places_[instruction.result], value(instruction.operands[1]));
 }
 
 const SpirvValues::Place& SpirvValues::place(SpirvId pointer) {
@@ -334,7 +344,8 @@ bool SpirvValues::execute_memory(const SpirvInstruction& instruction) {
       places_[instruction.result] = at;
       return true;
     }
-    default: return false;
+    default:
+      return false;
   }
 }
 
@@ -405,8 +416,12 @@ bool SpirvValues::execute_composite(const SpirvInstruction& instruction) {
       break;
     }
     case spv::OpCopyObject:
-    case spv::OpCopyLogical: out = value(operands[0]); break;
-    case spv::OpUndef: out = zeros(instruction.type); break;
+    case spv::OpCopyLogical:
+      out = value(operands[0]);
+      break;
+    case spv::OpUndef:
+      out = zeros(instruction.type);
+      break;
     case spv::OpSelect: {
       Scalars condition = value(operands[0]);
       const Scalars x = value(operands[1]), y = value(operands[2]);
@@ -414,9 +429,14 @@ bool SpirvValues::execute_composite(const SpirvInstruction& instruction) {
       for (std::size_t i = 0; i < x.size(); ++i) out.push_back(select(builder_, condition[i], x[i], y[i]));
       break;
     }
-    case spv::OpAny: out = {or_all(builder_, Op::b_or, value(operands[0]))}; break;
-    case spv::OpAll: out = {or_all(builder_, Op::b_and, value(operands[0]))}; break;
-    default: return false;
+    case spv::OpAny:
+      out = {or_all(builder_, Op::b_or, value(operands[0]))};
+      break;
+    case spv::OpAll:
+      out = {or_all(builder_, Op::b_and, value(operands[0]))};
+      break;
+    default:
+      return false;
   }
   values_[instruction.result] = std::move(out);
   return true;
@@ -436,8 +456,12 @@ bool SpirvValues::execute_matrix(const SpirvInstruction& instruction) {
   Scalars out;
   switch (instruction.opcode) {
     case spv::OpVectorTimesScalar:
-    case spv::OpMatrixTimesScalar: out = scaled(b, value(operands[0]), scalar(operands[1])); break;
-    case spv::OpDot: out = {dot(b, value(operands[0]), value(operands[1]))}; break;
+    case spv::OpMatrixTimesScalar:
+      out = scaled(b, value(operands[0]), scalar(operands[1]));
+      break;
+    case spv::OpDot:
+      out = {dot(b, value(operands[0]), value(operands[1]))};
+      break;
     case spv::OpMatrixTimesVector: {
       const Scalars m = value(operands[0]), v = value(operands[1]);
       const std::size_t rows = m.size() / v.size();
@@ -475,7 +499,8 @@ bool SpirvValues::execute_matrix(const SpirvInstruction& instruction) {
       }
       break;
     }
-    default: return false;
+    default:
+      return false;
   }
   values_[instruction.result] = std::move(out);
   return true;
@@ -497,17 +522,33 @@ bool SpirvValues::execute_bits(const SpirvInstruction& instruction) {
   };
   Scalars out;
   switch (instruction.opcode) {
-    case spv::OpShiftLeftLogical: out = each(b, Op::u_shl, unsigned_value(0), unsigned_value(1)); break;
-    case spv::OpShiftRightLogical: out = each(b, Op::u_shr, unsigned_value(0), unsigned_value(1)); break;
+    case spv::OpShiftLeftLogical:
+      out = each(b, Op::u_shl, unsigned_value(0), unsigned_value(1));
+      break;
+    case spv::OpShiftRightLogical:
+      out = each(b, Op::u_shr, unsigned_value(0), unsigned_value(1));
+      break;
     case spv::OpShiftRightArithmetic:
       out = each(b, Op::i_shr, as(Type::integer, value(operands[0])), unsigned_value(1));
       break;
-    case spv::OpBitwiseAnd: out = each(b, Op::u_and, unsigned_value(0), unsigned_value(1)); break;
-    case spv::OpBitwiseOr: out = each(b, Op::u_or, unsigned_value(0), unsigned_value(1)); break;
-    case spv::OpBitwiseXor: out = each(b, Op::u_xor, unsigned_value(0), unsigned_value(1)); break;
-    case spv::OpNot: out = each(b, Op::u_not, unsigned_value(0)); break;
-    case spv::OpBitReverse: out = each(b, Op::u_reverse, unsigned_value(0)); break;
-    case spv::OpBitCount: out = each(b, Op::u_bit_count, unsigned_value(0)); break;
+    case spv::OpBitwiseAnd:
+      out = each(b, Op::u_and, unsigned_value(0), unsigned_value(1));
+      break;
+    case spv::OpBitwiseOr:
+      out = each(b, Op::u_or, unsigned_value(0), unsigned_value(1));
+      break;
+    case spv::OpBitwiseXor:
+      out = each(b, Op::u_xor, unsigned_value(0), unsigned_value(1));
+      break;
+    case spv::OpNot:
+      out = each(b, Op::u_not, unsigned_value(0));
+      break;
+    case spv::OpBitReverse:
+      out = each(b, Op::u_reverse, unsigned_value(0));
+      break;
+    case spv::OpBitCount:
+      out = each(b, Op::u_bit_count, unsigned_value(0));
+      break;
     case spv::OpBitFieldUExtract:
     case spv::OpBitFieldSExtract: {
       const Register offset = unsigned_value(1)[0], bits = unsigned_value(2)[0];
@@ -556,7 +597,8 @@ bool SpirvValues::execute_bits(const SpirvInstruction& instruction) {
       out.insert(out.end(), high.begin(), high.end());
       break;
     }
-    default: return false;
+    default:
+      return false;
   }
   std::vector<Type> wanted;  // all the same, also in the structures of the extended forms
   add_scalar_types(instruction.type, wanted);
@@ -623,26 +665,24 @@ constexpr Scalarwise scalarwise[] = {
     {spv::OpLogicalNot, Op::b_not},
 };
 
-Type type_of_letter(char letter) {
-  switch (letter) {
-    case 'f': return Type::real;
-    case 'i': return Type::integer;
-    case 'u': return Type::unsigned_integer;
-    default: return Type::boolean;
-  }
-}
-
 /// Instructions whose operation depends on whether the integers are signed.
 std::optional<Op> integer_op(std::uint16_t opcode, Type type) {
   const bool is_signed = type == Type::integer;
   switch (opcode) {
-    case spv::OpSNegate: return Op::i_neg;
-    case spv::OpIAdd: return is_signed ? Op::i_add : Op::u_add;
-    case spv::OpISub: return is_signed ? Op::i_sub : Op::u_sub;
-    case spv::OpIMul: return is_signed ? Op::i_mul : Op::u_mul;
-    case spv::OpIEqual: return is_signed ? Op::i_eq : Op::u_eq;
-    case spv::OpINotEqual: return is_signed ? Op::i_ne : Op::u_ne;
-    default: return std::nullopt;
+    case spv::OpSNegate:
+      return Op::i_neg;
+    case spv::OpIAdd:
+      return is_signed ? Op::i_add : Op::u_add;
+    case spv::OpISub:
+      return is_signed ? Op::i_sub : Op::u_sub;
+    case spv::OpIMul:
+      return is_signed ? Op::i_mul : Op::u_mul;
+    case spv::OpIEqual:
+      return is_signed ? Op::i_eq : Op::u_eq;
+    case spv::OpINotEqual:
+      return is_signed ? Op::i_ne : Op::u_ne;
+    default:
+      return std::nullopt;
   }
 }
 
@@ -683,7 +723,8 @@ void SpirvValues::execute_glsl(const SpirvInstruction& instruction) {
   const std::uint32_t number = operands[1];
   const bool writes = number == GLSLstd450Modf || number == GLSLstd450Frexp;
   std::vector<Scalars> arguments;
-  for (const SpirvId argument : operands.subspan(2, writes ? 1 : operands.size() - 2)) arguments.push_back(value(argument));
+  for (const SpirvId argument : operands.subspan(2, writes ? 1 : operands.size() - 2))
+    arguments.push_back(value(argument));
   const auto result = glsl_function(builder_, number, arguments);
   if (!result) return refuse(fmt::format("built-in {} of GLSL.std.450 is not known here", number));
   Scalars out = *result;

@@ -189,7 +189,7 @@ int main(int count, char** words) {
     std::fputs(diagnostics.render().c_str(), stderr);
     return 1;
   }
-  Surface surface(Field(molecule->atoms, dmvv::authoring::fit_molecule(molecule->atoms), 89));
+  Surface surface(Field(molecule->atoms, dmvv::authoring::fit_molecule(molecule->atoms), 77));
   for (int pass = 0; pass < 3; ++pass) surface.relax();
   if (surface.write(words[2])) return 0;
   std::fprintf(stderr, "make_surface: cannot write to %s\n", words[2]);

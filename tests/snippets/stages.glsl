@@ -1,5 +1,5 @@
 // An animation in stages: a switch over the second, chosen by time alone.
-int stage = int(mod(floor(t / 1000.0), 3.0));
+int stage = int(mod(floor(t / 1000.0), 3.0) + 0.5);
 float d;
 switch (stage) {
   case 0: d = length(p) - 0.5; break;

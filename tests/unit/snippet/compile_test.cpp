@@ -41,8 +41,8 @@ Outcome compile(const std::map<std::string, std::string>& files) {
   for (const Diagnostic& d : sorted) {
     REQUIRE(d.span.source.valid());
     const LineColumn at = diagnostics.locate(d.span.source, d.span.begin);
-    outcome.messages.push_back(fmt::format("{}:{}:{}: {} {}", diagnostics.source_name(d.span.source), at.line, at.column,
-                                           info(d.code).number, d.message));
+    outcome.messages.push_back(fmt::format("{}:{}:{}: {} {}", diagnostics.source_name(d.span.source), at.line,
+                                           at.column, info(d.code).number, d.message));
   }
   return outcome;
 }
@@ -128,7 +128,8 @@ TEST_CASE("Cg spellings mean what they mean in Cg") {
   CHECK(value_of("return rsqrt(4.0) + log10(1000.0);") == doctest::Approx(3.5).epsilon(tolerance));
   CHECK(value_of("float s, c; sincos(0.5, s, c); return s * 10.0 + c;") ==
         doctest::Approx(std::sin(0.5) * 10.0 + std::cos(0.5)));
-  CHECK(value_of("half a = 0.5h; fixed4 b = fixed4(a, a, a, a); static const float2 c = float2(1, 2); return b.w + c.y;") ==
+  CHECK(value_of(
+            "half a = 0.5h; fixed4 b = fixed4(a, a, a, a); static const float2 c = float2(1, 2); return b.w + c.y;") ==
         doctest::Approx(2.5));
 }
 
@@ -204,7 +205,8 @@ TEST_CASE("E0401: types") {
 
 TEST_CASE("E0402: unknown functions and names, with a suggestion") {
   check_body("return @lenght(p) - 1.0;", {"E0402 no function 'lenght'; did you mean 'length'?"});
-  check_body("float radius = 0.5;\n\treturn length(p) - @raduis;", {"E0402 unknown name 'raduis'; did you mean 'radius'?"});
+  check_body("float radius = 0.5;\n\treturn length(p) - @raduis;",
+             {"E0402 unknown name 'raduis'; did you mean 'radius'?"});
   check_body("@flaot a = 1.0; return a;", {"E0402 unknown name 'flaot'; did you mean 'float'?"});
   check_body("return @sd_box(p, vec3(0.5));",
              {"E0402 'sd_box' is a function of the library; #include <sdf> makes it known"});
@@ -249,12 +251,15 @@ TEST_CASE("E0403: returns") {
 }
 
 TEST_CASE("E0404: what a distance function cannot have, and why") {
-  const std::string texture = "reads textures or images, but a distance function knows p and t alone; a sampled distance "
-                              "is an SDF with a file";
-  check_body("@sampler2D s; return @texture(s, p.xy).r;", {"E0404 'sampler2D' " + texture, "E0404 'texture' " + texture});
-  check_body("if (p.x > 0.0) @discard; return 1.0;",
-             {"E0404 'discard' throws a pixel away, but a distance is evaluated at single points; return a positive value "
-              "for 'outside'"});
+  const std::string texture =
+      "reads textures or images, but a distance function knows p and t alone; a sampled distance "
+      "is an SDF with a file";
+  check_body("@sampler2D s; return @texture(s, p.xy).r;",
+             {"E0404 'sampler2D' " + texture, "E0404 'texture' " + texture});
+  check_body(
+      "if (p.x > 0.0) @discard; return 1.0;",
+      {"E0404 'discard' throws a pixel away, but a distance is evaluated at single points; return a positive value "
+       "for 'outside'"});
   check_body("@barrier(); return 1.0;",
              {"E0404 'barrier' works with what other invocations see, but a distance is evaluated at single points"});
   check_body("@imageStore(p, p, p); return 1.0;", {"E0404 'imageStore' " + texture});
@@ -269,14 +274,17 @@ TEST_CASE("E0404: what a distance function cannot have, and why") {
 }
 
 TEST_CASE("E0404: directives that reach outside") {
-  const std::string only = "is not available in a function; #include <sdf>, #define, #undef, #ifdef, #ifndef, #else and "
-                           "#endif are";
-  check_body("#@extension GL_EXT_shader_explicit_arithmetic_types : enable\nreturn 1.0;", {"E0404 '#extension' " + only});
+  const std::string only =
+      "is not available in a function; #include <sdf>, #define, #undef, #ifdef, #ifndef, #else and "
+      "#endif are";
+  check_body("#@extension GL_EXT_shader_explicit_arithmetic_types : enable\nreturn 1.0;",
+             {"E0404 '#extension' " + only});
   check_body("#@version 330\nreturn 1.0;", {"E0404 '#version' " + only});
   check_body("#@line 7 \"other\"\nreturn 1.0;", {"E0404 '#line' " + only});
   check_body("#@if 1\nreturn 1.0;", {"E0404 '#if' " + only});
-  const std::string include = "E0404 only the library can be included, by #include <sdf>; functions of your own stand in "
-                              "FUNCTIONS, also of a file that IMPORT names";
+  const std::string include =
+      "E0404 only the library can be included, by #include <sdf>; functions of your own stand in "
+      "FUNCTIONS, also of a file that IMPORT names";
   check_body("#include \"@secrets.h\"\nreturn 1.0;", {include});
   check_body("#include <@stdio>\nreturn 1.0;", {include});
 }
@@ -285,9 +293,10 @@ TEST_CASE("E0405: recursion") {
   check_body("return @f(p * 2.0, t) + 1.0;", {"E0405 'f' calls itself; a shader has no stack, write a loop instead"});
   check_body("return factorial(p.x);", {"E0405 'factorial' calls itself; a shader has no stack, write a loop instead"},
              "float factorial(float x) { return x < 1.0 ? 1.0 : x * @factorial(x - 1.0); }");
-  const Outcome mutual = compile({{"s.voml", scene_of("return a(p.x);", "float a(float x);\n"
-                                                                        "float b(float x) { return a(x); }\n"
-                                                                        "float a(float x) { return b(x) + 1.0; }")}});
+  const Outcome mutual = compile({{"s.voml", scene_of("return a(p.x);",
+                                                      "float a(float x);\n"
+                                                      "float b(float x) { return a(x); }\n"
+                                                      "float a(float x) { return b(x) + 1.0; }")}});
   REQUIRE(mutual.messages.size() == 1);
   CHECK(mutual.messages[0].find("E0405") != std::string::npos);
 }
@@ -314,23 +323,28 @@ TEST_CASE("W0401: values that are no distances, with a witness") {
 // ---- places through the file's own encoding ----
 
 TEST_CASE("places through entities, comments, CDATA, CR LF and a byte order mark") {
-  check_marked({{"s.voml", "<MVV><OBJECT name='A'><SDF name='S' function='true'>\n"
-                           "  float a = p.x &lt; 0.5 &amp;&amp; p.y &gt; 0.0 ? 1.0 : @b;<!-- a\n comment --> float c = @d;\n"
-                           "<![CDATA[  return a < 1.0 ? c : @lenght(p);]]> /* &#38; */</SDF>"
-                           "<REGION name='R' type='empty'/></OBJECT></MVV>"}},
-               {"E0402 unknown name 'b'", "E0402 unknown name 'd'", "E0402 no function 'lenght'; did you mean 'length'?"});
-  check_marked({{"s.voml", "<MVV><OBJECT name='A'><SDF name='S' function='true'>\r\n float a = 1.0;\r\n"
-                           "  return a + @bb;\r\n</SDF><REGION name='R' type='empty'/></OBJECT></MVV>"}},
+  check_marked(
+      {{"s.voml",
+        "<MVV><OBJECT name='A'><SDF name='S' function='true'>\n"
+        "  float a = p.x &lt; 0.5 &amp;&amp; p.y &gt; 0.0 ? 1.0 : @b;<!-- a\n comment --> float c = @d;\n"
+        "<![CDATA[  return a < 1.0 ? c : @lenght(p);]]> /* &#38; */</SDF>"
+        "<REGION name='R' type='empty'/></OBJECT></MVV>"}},
+      {"E0402 unknown name 'b'", "E0402 unknown name 'd'", "E0402 no function 'lenght'; did you mean 'length'?"});
+  check_marked({{"s.voml",
+                 "<MVV><OBJECT name='A'><SDF name='S' function='true'>\r\n float a = 1.0;\r\n"
+                 "  return a + @bb;\r\n</SDF><REGION name='R' type='empty'/></OBJECT></MVV>"}},
                {"E0402 unknown name 'bb'"});
-  const Outcome bom = compile({{"s.voml", "\xef\xbb\xbf" + scene_of("return @;").replace(scene_of("return @;").find('@'), 1, "bb")}});
+  const Outcome bom =
+      compile({{"s.voml", "\xef\xbb\xbf" + scene_of("return @;").replace(scene_of("return @;").find('@'), 1, "bb")}});
   REQUIRE(bom.messages.size() == 1);
   CHECK(bom.messages[0] == "s.voml:3:49: E0402 unknown name 'bb'");
 }
 
 TEST_CASE("an operator that an entity stands for is marked whole") {
   Diagnostics diagnostics;
-  const std::string text = "<MVV><OBJECT name='A'><SDF name='S' function='true'>return p &lt; 1.0 ? 1.0 : 2.0;</SDF>"
-                           "<REGION name='R' type='empty'/></OBJECT></MVV>";
+  const std::string text =
+      "<MVV><OBJECT name='A'><SDF name='S' function='true'>return p &lt; 1.0 ? 1.0 : 2.0;</SDF>"
+      "<REGION name='R' type='empty'/></OBJECT></MVV>";
   const auto scene = voml::read_scene("s.voml", memory_files({{"s.voml", text}}), {}, diagnostics);
   REQUIRE(scene);
   CHECK_FALSE(compile_snippet(scene->functions.at(0), diagnostics));
@@ -340,12 +354,14 @@ TEST_CASE("an operator that an entity stands for is marked whole") {
 }
 
 TEST_CASE("a mistake in FUNCTIONS is reported there, once, also in an imported file") {
-  const std::string sdfs = "<OBJECT name='A'><SDF name='S' function='true'>return blob(p);</SDF>"
-                           "<SDF name='T' function='true'>return blob(p) + @c;</SDF><REGION name='R' type='empty'/>"
-                           "<MAPPINGS><SDF name='S'><POSITIVE region='R'/><NEGATIVE><SDF name='T'><POSITIVE region='R'/>"
-                           "<NEGATIVE region='R'/></SDF></NEGATIVE></SDF></MAPPINGS></OBJECT>";
-  check_marked({{"s.voml", "<MVV>" + sdfs + "<FUNCTIONS>float blob(vec3 q) {\n return @lenght(q); }</FUNCTIONS></MVV>"}},
-               {"E0402 unknown name 'c'", "E0402 no function 'lenght'; did you mean 'length'?"});
+  const std::string sdfs =
+      "<OBJECT name='A'><SDF name='S' function='true'>return blob(p);</SDF>"
+      "<SDF name='T' function='true'>return blob(p) + @c;</SDF><REGION name='R' type='empty'/>"
+      "<MAPPINGS><SDF name='S'><POSITIVE region='R'/><NEGATIVE><SDF name='T'><POSITIVE region='R'/>"
+      "<NEGATIVE region='R'/></SDF></NEGATIVE></SDF></MAPPINGS></OBJECT>";
+  check_marked(
+      {{"s.voml", "<MVV>" + sdfs + "<FUNCTIONS>float blob(vec3 q) {\n return @lenght(q); }</FUNCTIONS></MVV>"}},
+      {"E0402 unknown name 'c'", "E0402 no function 'lenght'; did you mean 'length'?"});
   check_marked({{"s.voml", "<MVV><IMPORT file='other.voml'/>" + sdfs + "</MVV>"},
                 {"other.voml", "<MVV>\n <FUNCTIONS>float blob(vec3 q) { return q.x + @r; }</FUNCTIONS></MVV>"}},
                {"E0402 unknown name 'c'", "E0402 unknown name 'r'"});
@@ -357,7 +373,8 @@ TEST_CASE("each text ends for itself: a fault never moves into the next one") {
 }
 
 TEST_CASE("a place in a macro's text is where the macro is used") {
-  check_body("#define R lenght(p)\nfloat a = 1.0; return a + @R;", {"E0402 no function 'lenght'; did you mean 'length'?"});
+  check_body("#define R lenght(p)\nfloat a = 1.0; return a + @R;",
+             {"E0402 no function 'lenght'; did you mean 'length'?"});
 }
 
 // ---- hostile text ----

@@ -442,7 +442,7 @@ class RandomBody {
 
 TEST_CASE("programs made at random say the same when emitted, at every time") {
   std::size_t moving = 0;
-  for (std::uint32_t seed = 1; seed <= 150; ++seed) {
+  for (std::uint32_t seed = 1; seed <= 100; ++seed) {
     const std::string body = RandomBody(seed).make();
     CAPTURE(body);
     const Snippet original = snippet(read_body(body));
@@ -455,5 +455,5 @@ TEST_CASE("programs made at random say the same when emitted, at every time") {
       }
     }
   }
-  CHECK(moving > 100);
+  CHECK(moving > 60);
 }

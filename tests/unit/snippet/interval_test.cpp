@@ -22,15 +22,30 @@ bool encloses(const IntegerInterval& range, std::int64_t x) { return range.lo <=
 class Numbers {
  public:
   double real() {
-    constexpr double special[] = {0.0, -0.0, 1.0, -1.0, 0.5, 2.0, 3.0, -2.5, 1e-3, 1e6, 1e30, -1e30, 1e-30,
-                                  std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+    constexpr double special[] = {0.0,
+                                  -0.0,
+                                  1.0,
+                                  -1.0,
+                                  0.5,
+                                  2.0,
+                                  3.0,
+                                  -2.5,
+                                  1e-3,
+                                  1e6,
+                                  1e30,
+                                  -1e30,
+                                  1e-30,
+                                  std::numeric_limits<double>::infinity(),
+                                  -std::numeric_limits<double>::infinity()};
     if (below(4) == 0) return static_cast<float>(special[below(std::size(special))]);
     const double size = std::exp2(uniform(-6.0, below(8) == 0 ? 40.0 : 5.0));
     return static_cast<float>(below(2) == 0 ? size : -size);  // representable on a device
   }
   Interval interval() {
     const double a = real();
-    const double b = below(3) == 0 ? a : below(2) == 0 ? real() : static_cast<float>(a + uniform(0.0, 0.2) * std::abs(a));
+    const double b = below(3) == 0   ? a
+                     : below(2) == 0 ? real()
+                                     : static_cast<float>(a + uniform(0.0, 0.2) * std::abs(a));
     if (std::isnan(b)) return {a, a};
     return {std::fmin(a, b), std::fmax(a, b)};
   }
@@ -124,25 +139,33 @@ const char* const bodies[] = {
     "return mix(b, a, h) - 0.2 * h * (1.0 - h) - 0.3;",
     "return 1.0 - 0.1 / dot(p - 0.2, p - 0.2) - 0.1 / dot(p + 0.2, p + 0.2);",
     "return sin(9.0 * p.x) * cos(7.0 * p.y) + sin(5.0 * p.z + t * 0.001);",
-    "float c = cos(3.0 * p.y), s = sin(3.0 * p.y); p.xz = mat2(c, -s, s, c) * p.xz; return max(abs(p.x), abs(p.z)) - 0.3;",
+    "float c = cos(3.0 * p.y), s = sin(3.0 * p.y); p.xz = mat2(c, -s, s, c) * p.xz; return max(abs(p.x), abs(p.z)) - "
+    "0.3;",
     "vec3 q = mod(p + 0.25, 0.5) - 0.25; return length(q) - 0.1;",
     "vec3 q = fract(p * 3.0) - 0.5; return dot(q, q) - 0.1;",
     "return atan(p.y, p.x) + asin(clamp(p.z, -1.0, 1.0)) + acos(p.x * 0.5) + atan(p.z);",
     "return exp(p.x) - log(p.y + 3.0) * exp2(p.z) + pow(abs(p.x) + 0.1, 1.5 + p.y) + log2(2.0 + p.z);",
     "return tan(p.x) + sinh(p.y) + cosh(p.z) + tanh(p.x * 3.0) + asinh(p.y) + acosh(2.0 + p.z) + atanh(p.x * 0.9);",
-    "return smoothstep(-0.5, 0.5, p.x) + step(0.2, p.y) + sign(p.z) * floor(p.x * 4.0) + ceil(p.y * 3.0) + round(p.z * 5.0);",
+    "return smoothstep(-0.5, 0.5, p.x) + step(0.2, p.y) + sign(p.z) * floor(p.x * 4.0) + ceil(p.y * 3.0) + round(p.z * "
+    "5.0);",
     "if (p.x < 0.0) return p.y; if (p.y < p.z) { p.x = 2.0; } else { p.x -= p.z; } return p.x * p.x;",
     "float s = 0.0; for (int i = 0; i < 8; i++) { s += 0.3 * sin(float(i) * p.x + s); if (s > 1.0) break; } return s;",
-    "float s = 0.0; for (int i = 0; i < 12; i++) { if (p.x * float(i) > 2.0) continue; s += p.y; if (s > 4.0) return 9.0; }"
+    "float s = 0.0; for (int i = 0; i < 12; i++) { if (p.x * float(i) > 2.0) continue; s += p.y; if (s > 4.0) return "
+    "9.0; }"
     "return s;",
-    "vec3 z = p; float d = 1.0; for (int i = 0; i < 5; i++) { float r = length(z); if (r > 2.0) break; d = 2.0 * r * d + 1.0;"
+    "vec3 z = p; float d = 1.0; for (int i = 0; i < 5; i++) { float r = length(z); if (r > 2.0) break; d = 2.0 * r * d "
+    "+ 1.0;"
     "z = vec3(z.x * z.x - z.y * z.y, 2.0 * z.x * z.y, z.z) + p; } return length(z) / d;",
-    "float a[4] = float[](p.x, p.y, p.z, p.x + p.y); int i = int(floor(2.0 + 2.0 * p.x)); a[i] += 1.0; return a[3 - i] + a[1];",
-    "switch (int(floor(p.x * 3.0))) { case 0: p.y += 1.0; case 1: p.z *= 2.0; break; case -1: return 5.0; default: p.y = 0.0; }"
+    "float a[4] = float[](p.x, p.y, p.z, p.x + p.y); int i = int(floor(2.0 + 2.0 * p.x)); a[i] += 1.0; return a[3 - i] "
+    "+ a[1];",
+    "switch (int(floor(p.x * 3.0))) { case 0: p.y += 1.0; case 1: p.z *= 2.0; break; case -1: return 5.0; default: p.y "
+    "= 0.0; }"
     "return p.y - p.z;",
-    "bool b = p.x < 0.2 && p.y > -0.1 || p.z < 0.0; bvec3 c = lessThan(p, p.yzx); return b ? float(c.x) : float(any(c)) * p.x;",
+    "bool b = p.x < 0.2 && p.y > -0.1 || p.z < 0.0; bvec3 c = lessThan(p, p.yzx); return b ? float(c.x) : "
+    "float(any(c)) * p.x;",
     "mat3 m = inverse(mat3(2.0 + p.x, 0.1, 0.0, 0.2, 3.0, p.y, 0.0, 0.1, 2.0)); return (m * p).x + determinant(m);",
-    "vec3 n = normalize(p + vec3(2.0, 0.0, 0.0)); return dot(reflect(p, n), n) + refract(n, vec3(-1.0, 0.0, 0.0), 0.7).y;",
+    "vec3 n = normalize(p + vec3(2.0, 0.0, 0.0)); return dot(reflect(p, n), n) + refract(n, vec3(-1.0, 0.0, 0.0), "
+    "0.7).y;",
     "uvec2 q = uvec2(ivec2(floor(p.xy * 8.0))); uint h = (q.x * 1664525u + q.y) ^ (q.x >> 3); h *= 747796405u;"
     "return float(h >> 8) / 16777216.0 + p.z;",
     "ivec3 i = ivec3(p * 10.0); return float((i.x * 7 + i.y) % 5 + i.z / 3 - (i.x << 1) + max(i.x, abs(i.y)));",
@@ -194,8 +217,8 @@ TEST_CASE("points of a box never leave the interval of a program") {
         const double at = numbers.member(t);
         const double f = snippet.evaluate(p, at).f;
         const float f32 = evaluate_point<float>(program, {float(p.x), float(p.y), float(p.z), float(at)}).f;
-        INFO(p.x << " " << p.y << " " << p.z << " t " << at << ": " << f << ", float32 " << f32 << ", in " << real.lo << ".."
-                 << real.hi << " and " << device.lo << ".." << device.hi);
+        INFO(p.x << " " << p.y << " " << p.z << " t " << at << ": " << f << ", float32 " << f32 << ", in " << real.lo
+                 << ".." << real.hi << " and " << device.lo << ".." << device.hi);
         REQUIRE(encloses(real, f));
         REQUIRE(encloses(device, f));
         REQUIRE(encloses(device, double{f32}));
@@ -219,7 +242,9 @@ TEST_CASE("small boxes give narrow intervals where the function is smooth") {
 
 TEST_CASE("intervals are as tight as they should be") {
   const Box cube{{-1, -1, -1}, {1, 1, 1}};
-  const auto over = [](const char* body, const Box& box) { return snippet_of(body).evaluate(box, {0, 0}, Rounding::real); };
+  const auto over = [](const char* body, const Box& box) {
+    return snippet_of(body).evaluate(box, {0, 0}, Rounding::real);
+  };
   const auto is = [](const Interval& range, double lo, double hi) {
     CHECK(range.lo == doctest::Approx(lo).epsilon(1e-12));
     CHECK(range.hi == doctest::Approx(hi).epsilon(1e-12));
@@ -250,8 +275,8 @@ TEST_CASE("unbounded and undefined") {
   CHECK_FALSE(snippet_of("return length(p);").evaluate(cube, {0, 0}, Rounding::float32).maybe_nan);
   CHECK(snippet_of("return log(p.x) * (p.y - p.y);").evaluate(cube, {0, 0}, Rounding::real).maybe_nan);
   // A loop whose end is never decided for the whole box.
-  const Interval endless =
-      snippet_of("float s = p.x; while (s < 1e6) s += p.y * p.y + 1e-3; return s;").evaluate(cube, {0, 0}, Rounding::real);
+  const Interval endless = snippet_of("float s = p.x; while (s < 1e6) s += p.y * p.y + 1e-3; return s;")
+                               .evaluate(cube, {0, 0}, Rounding::real);
   CHECK((endless.maybe_nan && std::isinf(endless.hi)));
 }
 

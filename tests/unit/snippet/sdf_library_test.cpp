@@ -50,9 +50,7 @@ double uniform() {
   state = state * 6364136223846793005u + 1442695040888963407u;
   return static_cast<double>(state >> 11) * 0x1p-53;
 }
-glm::dvec3 random_point(double reach) {
-  return (glm::dvec3(uniform(), uniform(), uniform()) * 2.0 - 1.0) * reach;
-}
+glm::dvec3 random_point(double reach) { return (glm::dvec3(uniform(), uniform(), uniform()) * 2.0 - 1.0) * reach; }
 
 std::vector<glm::dvec3> directions() {
   std::vector<glm::dvec3> result;
@@ -113,9 +111,8 @@ void check_exact(const Shape& shape) {
     not_unit += std::abs(glm::length(g) - 1.0) > 1e-4;
     const glm::dvec3 foot = p - g * d;
     const auto all = directions();
-    too_near += std::none_of(all.begin(), all.end(), [&](const glm::dvec3& u) {
-      return shape.inside(foot + u * 1e-3) != (d < 0.0);
-    });
+    too_near += std::none_of(all.begin(), all.end(),
+                             [&](const glm::dvec3& u) { return shape.inside(foot + u * 1e-3) != (d < 0.0); });
   }
   CHECK(not_unit == 0);
   CHECK(too_near == 0);
@@ -186,7 +183,8 @@ TEST_CASE("bounds are bounds, with the right surface") {
     return w.x > 0.0 && w.y > 0.0 && w.z > 0.0 && w.x + w.y + w.z < 1.0;
   };
   const auto gyroid = [](glm::dvec3 p) {
-    return std::sin(4 * p.x) * std::cos(4 * p.y) + std::sin(4 * p.y) * std::cos(4 * p.z) + std::sin(4 * p.z) * std::cos(4 * p.x);
+    return std::sin(4 * p.x) * std::cos(4 * p.y) + std::sin(4 * p.y) * std::cos(4 * p.z) +
+           std::sin(4 * p.z) * std::cos(4 * p.x);
   };
   const std::vector<Shape> shapes = {
       {"sd_ellipsoid(p, vec3(0.25, 0.5, 1.0))",

@@ -42,8 +42,10 @@ TEST_CASE("FUNCTIONS of MVV and OBJECT: in document order, those of the object l
 
 TEST_CASE("FUNCTIONS of imported files stand where the import stands; a file sees what it imports, not its importers") {
   const std::map<std::string, std::string> files = {
-      {"scene.voml", "<MVV><FUNCTIONS>first</FUNCTIONS><IMPORT file='a.voml'/><IMPORT file='b.voml'/>"
-                     "<FUNCTIONS>last</FUNCTIONS>" + object("S", "") + "</MVV>"},
+      {"scene.voml",
+       "<MVV><FUNCTIONS>first</FUNCTIONS><IMPORT file='a.voml'/><IMPORT file='b.voml'/>"
+       "<FUNCTIONS>last</FUNCTIONS>" +
+           object("S", "") + "</MVV>"},
       {"a.voml", "<MVV><IMPORT file='base.voml'/><FUNCTIONS>a</FUNCTIONS>" + object("A", "") + "</MVV>"},
       {"b.voml", "<MVV><IMPORT file='base.voml'/><FUNCTIONS>b</FUNCTIONS>" + object("B", "") + "</MVV>"},
       {"base.voml", "<MVV><FUNCTIONS>base</FUNCTIONS>" + object("BASE", "") + "</MVV>"}};
@@ -77,10 +79,13 @@ TEST_CASE("more FUNCTIONS than an SDF may use are refused at the one too many") 
 TEST_CASE("every byte of a text knows where it stands") {
   const std::string file =
       "<MVV><OBJECT name='A'><SDF name='S' function='true'>a &lt; b;\r\n c<!-- \n no -->&#x1F600;d<![CDATA[&lt;e]]>"
-      " &nope; &#65; f</SDF>" + region + "</OBJECT></MVV>";
+      " &nope; &#65; f</SDF>" +
+      region + "</OBJECT></MVV>";
   const Scene scene = scene_of(file);
   const GlslText& body = scene.functions.at(0).body;
-  REQUIRE(body.text == "a < b;\n c\n\xf0\x9f\x98\x80" "d&lt;e &nope; A f");
+  REQUIRE(body.text ==
+          "a < b;\n c\n\xf0\x9f\x98\x80"
+          "d&lt;e &nope; A f");
   CHECK(body.pieces.at(0).begin == 0);
   const auto written = [&](const std::string& part) {
     const auto begin = static_cast<std::uint32_t>(body.text.find(part));
