@@ -3,8 +3,9 @@ include(CMakePackageConfigHelpers)
 
 # The contracts only; what a stage keeps to itself is not installed.
 set(DMVV_PUBLIC_HEADERS
-  authoring/distance_grid.h
+  authoring/distance_grid.h authoring/molecule.h
   compiler/affine.h compiler/compile.h compiler/module.h compiler/program.h compiler/reference.h
+  compiler/lint.h compiler/snippet/snippet.h
   runtime/runtime.h runtime/view.h
   shaders/records.h
   voml/diagnostic_codes.def voml/diagnostics.h voml/files.h voml/grid.h voml/id.h voml/mesh.h voml/result.h voml/scene.h)

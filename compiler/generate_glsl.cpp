@@ -75,6 +75,18 @@ bool cube_maps_into(const Affine& affine, const LocalBox& box) {
          glm::all(glm::lessThanEqual(affine.translation + reach, box.hi));
 }
 
+/// Lines that are not blank or comments.
+std::uint32_t code_lines(std::string_view text) {
+  std::uint32_t lines = 0;
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    const std::size_t first = line.find_first_not_of(' ');
+    if (first != std::string_view::npos && !line.substr(first).starts_with("//")) ++lines;
+  }
+  return lines;
+}
+
 class Generator {
  public:
   Generator(const Module& module, const Records& records, const Atlas& grid_atlas, const GlslOptions& options)
@@ -147,7 +159,7 @@ class Generator {
     for (std::uint32_t i = 0; i < module_.functions.size(); ++i) {
       const Function& function = module_.functions[i];
       const std::string text = function.snippet.glsl(function_name({i}), next_time_value);
-      function_lines_.push_back(static_cast<std::uint32_t>(std::count(text.begin(), text.end(), '\n')));
+      function_lines_.push_back(code_lines(text));
       out_.functions += fmt::format("// {}\n{}\n", function.name, text);
       const std::size_t values = function.snippet.time_value_count();
       if (values == 0) continue;

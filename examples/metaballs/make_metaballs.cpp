@@ -21,7 +21,7 @@ struct Seeds {
     rotations.add(rotation);
     scales.add(dvec3(scale));
   }
-  bool close() { return places.close() & rotations.close() & scales.close(); }
+  bool close() { return places.close() && rotations.close() && scales.close(); }
 
   VectorFile places, rotations, scales;
 };

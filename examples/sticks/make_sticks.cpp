@@ -20,7 +20,7 @@ bool write_seeds(const std::string& folder) {
     places.add(0.5 * r * dvec3(s * std::cos(2.0 * pi * u.z), z, s * std::sin(2.0 * pi * u.z)));  // of the cube's edge
     rotations.add(random.rotation());
   }
-  return places.close() & rotations.close();
+  return places.close() && rotations.close();
 }
 
 /// A closed ball around the y axis: two poles and `rings` - 1 circles of 2 * `rings` vertices.
