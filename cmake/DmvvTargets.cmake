@@ -7,7 +7,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LES
 endif()
 add_library(dmvv_sanitize INTERFACE)
 if(DMVV_SANITIZE)
-  target_compile_options(dmvv_sanitize INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+  # Without vptr: Debian's glslang is built without RTTI.
+  target_compile_options(dmvv_sanitize INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
+    -fno-sanitize=vptr -fno-omit-frame-pointer)
   target_link_options(dmvv_sanitize INTERFACE -fsanitize=address,undefined)
 endif()
 

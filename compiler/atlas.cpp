@@ -129,7 +129,8 @@ std::optional<Atlas> arrange(std::span<const glm::uvec3> interiors, TexelFormat 
   atlas.texture.extent = packing->extent;
   atlas.texture.format = format;
   atlas.texture.texels.resize(volume(packing->extent) * bytes_per_texel(format));
-  atlas.fill = static_cast<double>(packing->used) / static_cast<double>(volume(packing->extent));
+  const std::uint64_t texels = volume(packing->extent);
+  atlas.fill = texels == 0 ? 0.0 : static_cast<double>(packing->used) / static_cast<double>(texels);
   for (const glm::uvec3& position : packing->positions) atlas.slots.push_back(position + border);
   return atlas;
 }
