@@ -187,7 +187,6 @@ class Generator {
     std::uint32_t decisions = 0;      ///< of the tree written out, shared subtrees repeated
     std::uint32_t seeded = 0;         ///< of these
     std::uint32_t snippet_lines = 0;  ///< of the analytic ones
-    std::uint32_t depth = 0;
   };
 
   void collect_objects() {
@@ -202,17 +201,12 @@ class Generator {
   /// Visits the tree as it will be written out: a shared subtree counts as often as it is reached.
   ObjectParts collect(Id<Node> root) const {
     ObjectParts parts;
-    struct Visit {
-      Id<Node> node;
-      std::uint32_t depth;
-    };
-    std::vector<Visit> pending{{root, 1}};
+    std::vector<Id<Node>> pending{root};
     std::set<Id<Sdf>> sdfs;
     std::set<Id<Region>> regions;
     while (!pending.empty() && parts.decisions < most_lines) {
-      const auto [node, depth] = pending.back();
+      const Id<Node> node = pending.back();
       pending.pop_back();
-      parts.depth = std::max(parts.depth, depth);
       if (const auto* region = std::get_if<Id<Region>>(&at(module_.nodes, node).content)) {
         if (regions.insert(*region).second) parts.regions.push_back(*region);
         continue;
@@ -222,8 +216,8 @@ class Generator {
       if (at(module_.sdfs, decision.sdf).placement == voml::Placement::seeded) ++parts.seeded;
       parts.snippet_lines = saturating_add(parts.snippet_lines, snippet_lines(decision.sdf));
       if (sdfs.insert(decision.sdf).second) parts.sdfs.push_back(decision.sdf);
-      pending.push_back({decision.negative, depth + 1});
-      pending.push_back({decision.positive, depth + 1});
+      pending.push_back(decision.negative);
+      pending.push_back(decision.positive);
     }
     return parts;
   }
