@@ -13,13 +13,13 @@
 #include <thread>
 
 #include "cli/commands.h"
-#include "cli/content_hash.h"
 #include "cli/encoder.h"
 #include "cli/frame_folder.h"
 #include "cli/frames.h"
 #include "cli/outputs.h"
 #include "cli/progress.h"
 #include "cli/view_options.h"
+#include "voml/content_hash.h"
 
 namespace dmvv::cli {
 namespace {
@@ -270,13 +270,14 @@ int animate(const AnimateOptions& options, Context& context) {
   const compiler::CompileOptions form = compile_options(options.codegen);
   const Plan plan = make_plan(options, view.size_px);
 
+  OpeningDevice opening = begin_device(options.device);
   Diagnostics diagnostics(options.scene.strict);
   ContentHash scene_hash, mesh_hash;
   voml::Scene scene = read_scene(options.scene, context, diagnostics, hashing(disk_files(), scene_hash));
   const std::optional<voml::Mesh> mesh =
       place_camera(view, options.view, hashing(disk_files(), mesh_hash), context, diagnostics);
   if (mesh) view.mesh = &*mesh;
-  runtime::Device device = open_device(options.device, context);
+  runtime::Device device = await_device(opening, context);
 
   FrameFolder folder(plan.names, view.size_px,
                      make_manifest(options, plan, view, scene_hash.text(), mesh_hash.text(), device.info()));
@@ -289,8 +290,8 @@ int animate(const AnimateOptions& options, Context& context) {
   }
   context.stopwatch.lap("resume");
 
-  const compiler::Program program = compile(lower(std::move(scene), context, diagnostics), form,
-                                            compiler::Kernel::pixels, &device, context, diagnostics);
+  const compiler::Program program = compile(lower(std::move(scene), context, diagnostics, opening.code), form,
+                                            compiler::Kernel::pixels, &device, context, diagnostics, opening.code);
   runtime::Timings timings;
   auto evaluator = must(runtime::Evaluator::create(device, program, &timings));
   context.stopwatch.lap(timings, "other");

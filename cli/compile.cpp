@@ -138,7 +138,10 @@ int run_compile(const CompileOptions& options, Context& context) {
   const std::string module_text = words.contains("module") ? compiler::to_text(module) : "";
   // A device named here lends its limits; without one, those that every Vulkan 1.2 GPU keeps hold.
   std::optional<runtime::Device> device;
-  if (!options.device.name.empty()) device = open_device(options.device, context);
+  if (!options.device.name.empty()) {
+    OpeningDevice opening = begin_device(options.device);
+    device = await_device(opening, context);
+  }
   compiler::Program program = compile(std::move(module), form, {}, device ? &*device : nullptr, context, diagnostics);
   if (words.contains("spirv")) {
     for (const auto& [kernel, name] : kernels) must(compiler::to_spirv(program, kernel));

@@ -1,8 +1,9 @@
 #include "cli/dump.h"
 
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 #include <spirv-tools/libspirv.h>
+
+#include "voml/image_file.h"
 
 namespace dmvv::cli {
 namespace {
@@ -34,23 +35,17 @@ Result<std::string> disassemble(std::span<const std::uint32_t> spirv) {
   return assembly;
 }
 
-Result<void> write_texture(const std::string& path, const compiler::Texture& texture) try {
+Result<void> write_texture(const std::string& path, const compiler::Texture& texture) {
   const bool is_rgba = texture.format == compiler::TexelFormat::rgba16f;
-  const OIIO::TypeDesc type =
-      texture.format == compiler::TexelFormat::r32f ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::HALF;
-  OIIO::ImageSpec spec(static_cast<int>(texture.extent.x), static_cast<int>(texture.extent.y * texture.extent.z),
-                       is_rgba ? 4 : 1, type);
-  if (!is_rgba) spec.channelnames = {"Y"};
-  spec.attribute("compression", "zip");
-  spec.attribute("DateTime", "1970:01:01 00:00:00");  // the same program gives the same bytes
-  const auto file = OIIO::ImageOutput::create(path);
-  if (!file || !file->open(path, spec) || !file->write_image(type, texture.texels.data()) || !file->close()) {
-    return fail(Fault::environment, fmt::format("cannot write '{}'", path),
-                {file ? file->geterror() : OIIO::geterror()});
-  }
-  return {};
-} catch (const std::exception& error) {
-  return fail(Fault::environment, fmt::format("cannot write '{}'", path), {error.what()});
+  const SampleType type = texture.format == compiler::TexelFormat::r32f ? SampleType::f32 : SampleType::f16;
+  return write_image(path, {.width = texture.extent.x,
+                            .height = std::uint64_t{texture.extent.y} * texture.extent.z,
+                            .channels = is_rgba ? std::vector<std::string>{"R", "G", "B", "A"} : std::vector<std::string>{"Y"},
+                            .stored = type,
+                            .given = type,
+                            .straight_alpha = false,
+                            .compression = "zip",
+                            .samples = texture.texels.data()});
 }
 
 std::string textures_text(const compiler::Program& program) {

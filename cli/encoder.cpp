@@ -1,6 +1,5 @@
 #include "cli/encoder.h"
 
-#include <OpenImageIO/imageio.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
@@ -17,6 +16,7 @@
 #include <utility>
 
 #include "voml/files.h"
+#include "voml/image_file.h"
 
 extern char** environ;
 
@@ -96,6 +96,8 @@ std::uint8_t over_white(std::uint32_t value, std::uint32_t alpha) {
   return static_cast<std::uint8_t>((value * alpha + 255 * (255 - alpha) + 127) / 255);
 }
 
+constexpr std::uint64_t most_frame_bytes = std::uint64_t{1} << 32;
+
 std::vector<std::uint8_t> opaque(const std::vector<std::uint8_t>& rgba) {
   std::vector<std::uint8_t> rgb;
   rgb.reserve(rgba.size() / 4 * 3);
@@ -124,17 +126,15 @@ Result<std::vector<std::uint8_t>> read_frame(const std::string& path, glm::uvec2
     return fail(Fault::environment, fmt::format("cannot read the frame '{}': {}", path, why),
                 {"run the same command again: damaged frames are drawn again"});
   };
-  OIIO::ImageSpec hints;
-  hints.attribute("oiio:UnassociatedAlpha", 1);
-  const auto input = OIIO::ImageInput::open(path, &hints);
-  if (!input) return failed(OIIO::geterror());
-  const OIIO::ImageSpec& spec = input->spec();
-  if (spec.width != static_cast<int>(size_px.x) || spec.height != static_cast<int>(size_px.y) || spec.nchannels != 4) {
-    return failed(fmt::format("it is {}x{} with {} channels", spec.width, spec.height, spec.nchannels));
+  const std::uint64_t samples = std::uint64_t{4} * size_px.x * size_px.y;
+  const auto bytes = disk_files()(path, most_frame_bytes);
+  if (!bytes) return failed(bytes.error().message);
+  const auto image = decode_image(*bytes, path, samples);
+  if (!image) return failed(image.error().message);
+  if (image->width != size_px.x || image->height != size_px.y || image->channels != 4) {
+    return failed(fmt::format("it is {}x{} with {} channels", image->width, image->height, image->channels));
   }
-  std::vector<std::uint8_t> rgba(std::size_t{4} * size_px.x * size_px.y);
-  if (!input->read_image(0, 0, 0, 4, OIIO::TypeUInt8, rgba.data())) return failed(input->geterror());
-  return format == ClipFormat::mp4 ? opaque(rgba) : rgba;
+  return format == ClipFormat::mp4 ? opaque(image->samples) : image->samples;
 }
 
 Result<Encoder> Encoder::start(Options options) {

@@ -1,6 +1,5 @@
 // dmvv info FILE: what is in a scene, a distance grid, a mesh or a picture, and what it costs.
-#include <OpenImageIO/imageio.h>
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/App.hpp>
 #include <cctype>
@@ -13,6 +12,7 @@
 #include "cli/grid_statistics.h"
 #include "cli/options.h"
 #include "voml/grid.h"
+#include "voml/image_file.h"
 
 namespace dmvv::cli {
 namespace {
@@ -176,21 +176,20 @@ int info_mesh(const std::string& path, Context& context) {
   return exit_done;
 }
 
-int info_picture(const std::string& path) {
-  const auto file = OIIO::ImageInput::open(path);
-  if (!file) {
-    OIIO::geterror();  // takes the message out of the library: it speaks of plugins, not of the file
+int info_picture(const std::string& path, std::string_view bytes) {
+  const auto picture = inspect_image(bytes, path);
+  if (!picture && picture.error().fault == Fault::environment) fail_with(picture.error());
+  if (!picture) {  // the decoder's words speak of its formats, not of the file
     fail_with(
         {Fault::input, fmt::format("'{}' is no scene, distance grid, mesh or picture that dmvv knows", path), {}});
   }
-  const OIIO::ImageSpec& spec = file->spec();
-  const auto width = static_cast<std::uint64_t>(spec.width), height = static_cast<std::uint64_t>(spec.height);
-  std::string channels;
-  for (const std::string& name : spec.channelnames) channels += (channels.empty() ? "" : " ") + name;
-  print_result(fmt::format("{}: picture ({}), {} x {}, {} of {}: {}\n  {}\n", path, file->format_name(), width, height,
-                           plural(spec.channelnames.size(), "channel"), spec.format.c_str(), channels,
-                           height == width * width ? fmt::format("a bitmap of {0} x {0} x {0} texels", width)
-                                                   : "no bitmap: its height is not the square of its width"));
+  const ImageInfo& image = *picture;
+  print_result(fmt::format("{}: picture ({}), {} x {}, {} of {}: {}\n  {}\n", path, image.format, image.width,
+                           image.height, plural(image.channels.size(), "channel"), image.sample_type,
+                           fmt::join(image.channels, " "),
+                           image.height == image.width * image.width
+                               ? fmt::format("a bitmap of {0} x {0} x {0} texels", image.width)
+                               : "no bitmap: its height is not the square of its width"));
   return exit_done;
 }
 
@@ -222,7 +221,7 @@ int info(const InfoOptions& options, Context& context) {
   for (const std::string_view ending : {".obj", ".ply", ".stl"}) {
     if (has_ending(path, ending)) return info_mesh(path, context);
   }
-  return info_picture(path);
+  return info_picture(path, bytes);
 }
 
 }  // namespace

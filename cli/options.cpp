@@ -30,7 +30,7 @@ void add_device_options(CLI::App& command, DeviceChoice& choice) {
       ->type_name("NAME");
   command.add_flag("--validation", choice.validation,
                    "Switch the Khronos validation layer on; its messages make the exit code 2");
-  command.add_flag("--no-cache", choice.no_cache, "Do not use the driver's shader cache");
+  command.add_flag("--no-cache", choice.no_cache, "Compile everything anew: use neither the cache of compiled code nor the driver's");
 }
 
 void add_codegen_options(CLI::App& command, CodegenChoice& choice) {
@@ -84,8 +84,9 @@ voml::Scene read_scene(const SceneOptions& options, Context& context, Diagnostic
   return std::move(*scene);
 }
 
-compiler::Module lower(voml::Scene scene, Context& context, Diagnostics& diagnostics) {
-  auto module = compiler::lower(std::move(scene), diagnostics);
+compiler::Module lower(voml::Scene scene, Context& context, Diagnostics& diagnostics,
+                       const compiler::CodeCache& cache) {
+  auto module = compiler::lower(std::move(scene), diagnostics, cache);
   context.stopwatch.lap("compile");
   if (!module) stop_with(diagnostics, context);
   return std::move(*module);
@@ -93,7 +94,7 @@ compiler::Module lower(voml::Scene scene, Context& context, Diagnostics& diagnos
 
 compiler::Program compile(compiler::Module module, compiler::CompileOptions options,
                           std::optional<compiler::Kernel> kernel, const runtime::Device* device, Context& context,
-                          Diagnostics& diagnostics) {
+                          Diagnostics& diagnostics, const compiler::CodeCache& cache) {
   if (device) {
     options.max_extent_3d = device->info().max_extent_3d;
     options.max_storage_buffer = device->info().max_storage_buffer;
@@ -103,14 +104,21 @@ compiler::Program compile(compiler::Module module, compiler::CompileOptions opti
   if (!program) stop_with(diagnostics, context);
   print_diagnostics(diagnostics, context);
   if (kernel) {
-    must(compiler::to_spirv(*program, *kernel));
+    must(compiler::to_spirv(*program, *kernel, cache));
     context.stopwatch.lap("SPIR-V");
   }
   return std::move(*program);
 }
 
-runtime::Device open_device(const DeviceChoice& choice, Context& context) {
-  auto device = must(runtime::Device::create({choice.name, choice.validation, !choice.no_cache}));
+OpeningDevice begin_device(const DeviceChoice& choice) {
+  const std::string folder = choice.no_cache ? std::string() : runtime::DiskCache::user_folder();
+  const auto cache = folder.empty() ? nullptr : std::make_shared<const runtime::DiskCache>(folder);
+  return {runtime::Device::create_async({choice.name, choice.validation, !choice.no_cache, cache}),
+          runtime::code_cache(cache)};
+}
+
+runtime::Device await_device(OpeningDevice& opening, Context& context) {
+  auto device = must(opening.device.get());
   context.stopwatch.lap("device");
   return device;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <future>
 #include <optional>
 #include <string>
 #include <vector>
@@ -52,14 +53,23 @@ compiler::CompileOptions compile_options(const CodegenChoice& choice);
 /// SCENE -> Scene -> Module; mistakes are printed and stop the command. Warnings wait in `diagnostics`.
 voml::Scene read_scene(const SceneOptions& options, Context& context, Diagnostics& diagnostics,
                        const ReadFile& files = disk_files());
-compiler::Module lower(voml::Scene scene, Context& context, Diagnostics& diagnostics);
+compiler::Module lower(voml::Scene scene, Context& context, Diagnostics& diagnostics,
+                       const compiler::CodeCache& cache = {});
 
 /// Module -> Program with the SPIR-V of the kernel, for a device if there is one. Prints what `diagnostics` holds.
 compiler::Program compile(compiler::Module module, compiler::CompileOptions options,
                           std::optional<compiler::Kernel> kernel, const runtime::Device* device, Context& context,
-                          Diagnostics& diagnostics);
+                          Diagnostics& diagnostics, const compiler::CodeCache& cache = {});
 
-runtime::Device open_device(const DeviceChoice& choice, Context& context);
+/// A device that a thread of its own opens, and the user's cache of compiled code: none with --no-cache, or without a
+/// cache folder.
+struct OpeningDevice {
+  std::future<Result<runtime::Device>> device;
+  compiler::CodeCache code;
+};
+OpeningDevice begin_device(const DeviceChoice& choice);
+/// Waits for the device, once; the lap "device" is what there was to wait for.
+runtime::Device await_device(OpeningDevice& opening, Context& context);
 
 /// The exit code of a command that used the device: its validation messages go to stderr and make it 2.
 int exit_code_of(const runtime::Device& device);

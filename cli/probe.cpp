@@ -90,8 +90,9 @@ void print_answers(std::span<const glm::dvec3> points, std::span<const compiler:
   print_result(text);
 }
 
-int probe_reference(const ProbeOptions& options, std::span<const glm::dvec3> points, compiler::Module module,
-                    Context& context, Diagnostics& diagnostics) {
+int probe_reference(const ProbeOptions& options, std::span<const glm::dvec3> points, Context& context) {
+  Diagnostics diagnostics(options.scene.strict);
+  const compiler::Module module = lower(read_scene(options.scene, context, diagnostics), context, diagnostics);
   if (!compiler::can_evaluate(module, diagnostics)) stop_with(diagnostics, context);
   print_diagnostics(diagnostics, context);
   const compiler::Reference reference(module);
@@ -104,11 +105,14 @@ int probe_reference(const ProbeOptions& options, std::span<const glm::dvec3> poi
   return exit_done;
 }
 
-int probe_vulkan(const ProbeOptions& options, std::span<const glm::dvec3> points, compiler::Module module,
-                 Context& context, Diagnostics& diagnostics) {
-  runtime::Device device = open_device(options.device, context);
+int probe_vulkan(const ProbeOptions& options, std::span<const glm::dvec3> points, Context& context) {
+  OpeningDevice opening = begin_device(options.device);
+  Diagnostics diagnostics(options.scene.strict);
+  compiler::Module module =
+      lower(read_scene(options.scene, context, diagnostics), context, diagnostics, opening.code);
+  runtime::Device device = await_device(opening, context);
   const compiler::Program program = compile(std::move(module), compile_options(options.codegen),
-                                            compiler::Kernel::points, &device, context, diagnostics);
+                                            compiler::Kernel::points, &device, context, diagnostics, opening.code);
   runtime::Timings timings;
   auto evaluator = must(runtime::Evaluator::create(device, program, &timings));
   const auto answers = must(evaluator.probe(points, options.time_ms, &timings));
@@ -125,10 +129,8 @@ int probe(const ProbeOptions& options, Context& context) {
   }
   compile_options(options.codegen);  // refuses wrong usage on either backend
   const std::vector<glm::dvec3> points = read_points(options, context);
-  Diagnostics diagnostics(options.scene.strict);
-  compiler::Module module = lower(read_scene(options.scene, context, diagnostics), context, diagnostics);
   const auto run = options.backend == "vulkan" ? probe_vulkan : probe_reference;
-  return run(options, points, std::move(module), context, diagnostics);
+  return run(options, points, context);
 }
 
 }  // namespace

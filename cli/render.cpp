@@ -103,13 +103,15 @@ int render(const RenderOptions& options, Context& context) {
   Outputs outputs;
   announce(outputs, options, aovs);
 
+  OpeningDevice opening = begin_device(options.device);
   Diagnostics diagnostics(options.scene.strict);
   voml::Scene scene = read_scene(options.scene, context, diagnostics);
   const std::optional<voml::Mesh> mesh = place_camera(view, options.view, disk_files(), context, diagnostics);
   if (mesh) view.mesh = &*mesh;
-  runtime::Device device = open_device(options.device, context);
-  const compiler::Program program = compile(lower(std::move(scene), context, diagnostics), form,
-                                            compiler::Kernel::pixels, &device, context, diagnostics);
+  compiler::Module module = lower(std::move(scene), context, diagnostics, opening.code);
+  runtime::Device device = await_device(opening, context);
+  const compiler::Program program =
+      compile(std::move(module), form, compiler::Kernel::pixels, &device, context, diagnostics, opening.code);
   runtime::Timings timings;
   auto evaluator = must(runtime::Evaluator::create(device, program, &timings));
   const runtime::Picture picture = must(evaluator.render(view, &timings));

@@ -4,9 +4,9 @@ include(CMakePackageConfigHelpers)
 # The contracts only; what a stage keeps to itself is not installed.
 set(DMVV_PUBLIC_HEADERS
   authoring/distance_grid.h authoring/molecule.h
-  compiler/affine.h compiler/compile.h compiler/module.h compiler/program.h compiler/reference.h
+  compiler/affine.h compiler/code_cache.h compiler/compile.h compiler/module.h compiler/program.h compiler/reference.h
   compiler/lint.h compiler/snippet/snippet.h
-  runtime/runtime.h runtime/view.h
+  runtime/disk_cache.h runtime/runtime.h runtime/view.h
   shaders/records.h
   voml/diagnostic_codes.def voml/diagnostics.h voml/files.h voml/grid.h voml/id.h voml/mesh.h voml/result.h voml/scene.h)
 foreach(header IN LISTS DMVV_PUBLIC_HEADERS)
@@ -16,6 +16,7 @@ endforeach()
 
 install(TARGETS dmvv_voml dmvv_compiler dmvv_runtime dmvv_authoring EXPORT dmvvTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS dmvv_image_codec LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/dmvv)
 install(TARGETS dmvv RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/dmvv/examples)
 

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/code_cache.h"
 #include "compiler/module.h"
 #include "compiler/program.h"
 #include "voml/result.h"
@@ -38,7 +39,8 @@ bool can_evaluate(const Module& module, Diagnostics& diagnostics);
 std::optional<Program> compile(Module module, const CompileOptions& options, Diagnostics& diagnostics);
 
 /// Compiles one kernel's GLSL to SPIR-V 1.5 for Vulkan 1.2 with glslang and checks it with spirv-val.
+/// `cache` is asked first, and told of what compiled.
 /// Errors: text that does not compile or validate is a bug of the generator; the error carries both logs.
-Result<void> to_spirv(Program& program, Kernel kernel);
+Result<void> to_spirv(Program& program, Kernel kernel, const CodeCache& cache = {});
 
 }  // namespace dmvv::compiler

@@ -28,9 +28,10 @@ Id<T> move_once(Renumber<T>& renumber, std::vector<T>& from, std::vector<T>& to,
 
 class Lowering {
  public:
-  Lowering(voml::Scene scene, Diagnostics& diagnostics)
+  Lowering(voml::Scene scene, Diagnostics& diagnostics, const CodeCache& cache)
       : scene_(std::move(scene)),
         diagnostics_(diagnostics),
+        cache_(cache),
         objects_(scene_.objects.size()),
         sdfs_(scene_.sdfs.size()),
         nodes_(scene_.nodes.size()),
@@ -177,7 +178,7 @@ class Lowering {
   /// A function that does not compile leaves an invalid id; the errors that it reported end the lowering.
   Id<Function> lower_function(Id<voml::Function> id, const std::string& name) {
     if (functions_.known(id)) return functions_[id];
-    auto snippet = snippet::compile_snippet(at(scene_.functions, id), diagnostics_);
+    auto snippet = snippet::compile_snippet(at(scene_.functions, id), diagnostics_, cache_);
     if (!snippet) return {};
     return functions_[id] = append(module_.functions, Function{name, std::move(*snippet)});
   }
@@ -266,6 +267,7 @@ class Lowering {
 
   voml::Scene scene_;
   Diagnostics& diagnostics_;
+  const CodeCache& cache_;
   Module module_;
   std::vector<Id<voml::Object>> parents_first_;
   Id<voml::Object> current_;
@@ -281,8 +283,8 @@ class Lowering {
 
 }  // namespace
 
-std::optional<Module> lower(voml::Scene scene, Diagnostics& diagnostics) {
-  return Lowering(std::move(scene), diagnostics).run();
+std::optional<Module> lower(voml::Scene scene, Diagnostics& diagnostics, const CodeCache& cache) {
+  return Lowering(std::move(scene), diagnostics, cache).run();
 }
 
 }  // namespace dmvv::compiler

@@ -98,7 +98,7 @@ struct Module {
 /// Scene -> Module: composes matrices, drops what the root does not reach, orders objects, refuses cycles.
 /// Errors: E0110 embedding cycle (prints it); E04xx of the snippets that the root reaches.
 /// Cost: linear; the assets are moved, not copied.
-std::optional<Module> lower(voml::Scene scene, Diagnostics& diagnostics);
+std::optional<Module> lower(voml::Scene scene, Diagnostics& diagnostics, const CodeCache& cache = {});
 
 /// The module as text, one line a thing, stable across runs: for `--dump module` and goldens.
 std::string to_text(const Module& module);

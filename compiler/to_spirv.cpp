@@ -1,11 +1,8 @@
 // The kernels through glslang and the SPIR-V validator.
-#include <glslang/Public/ResourceLimits.h>
-#include <glslang/Public/ShaderLang.h>
-#include <glslang/SPIRV/GlslangToSpv.h>
 #include <spirv-tools/libspirv.hpp>
 
 #include "compiler/compile.h"
-#include "compiler/glslang_process.h"
+#include "compiler/glsl_compiler.h"
 
 namespace dmvv::compiler {
 
@@ -28,30 +25,17 @@ std::string validate(const std::vector<std::uint32_t>& spirv) {
 
 }  // namespace
 
-Result<void> to_spirv(Program& program, Kernel kernel) {
-  use_glslang();
+Result<void> to_spirv(Program& program, Kernel kernel, const CodeCache& cache) {
   const std::string& glsl = program.glsl[static_cast<std::size_t>(kernel)];
-  const char* text = glsl.c_str();
-
-  glslang::TShader shader(EShLangCompute);
-  shader.setStrings(&text, 1);
-  shader.setEnvInput(glslang::EShSourceGlsl, EShLangCompute, glslang::EShClientVulkan, 100);
-  shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_2);
-  shader.setEnvTarget(glslang::EShTargetSpv, glslang::EShTargetSpv_1_5);
-  constexpr auto messages = static_cast<EShMessages>(EShMsgSpvRules | EShMsgVulkanRules);
-  if (!shader.parse(GetDefaultResources(), 460, false, messages)) {
-    return generator_bug("glslang", shader.getInfoLog(), glsl);
-  }
-  glslang::TProgram linked;
-  linked.addShader(&shader);
-  if (!linked.link(messages)) return generator_bug("glslang", linked.getInfoLog(), glsl);
-
-  glslang::SpvOptions options;
-  options.disableOptimizer = true;  // it speeds up neither the driver's compiler nor the frame
-  std::vector<std::uint32_t> spirv;
-  glslang::GlslangToSpv(*linked.getIntermediate(EShLangCompute), spirv, &options);
-  if (const std::string log = validate(spirv); !log.empty()) return generator_bug("spirv-val", log, glsl);
-  program.spirv[static_cast<std::size_t>(kernel)] = std::move(spirv);
+  std::vector<std::uint32_t>& code = program.spirv[static_cast<std::size_t>(kernel)];
+  const std::string key = code_key(ShaderStage::compute, glsl);
+  code = find_code(cache, key);
+  if (!code.empty()) return {};
+  CompiledGlsl compiled = compile_glsl(ShaderStage::compute, glsl);
+  if (compiled.spirv.empty()) return generator_bug("glslang", compiled.log, glsl);
+  if (const std::string log = validate(compiled.spirv); !log.empty()) return generator_bug("spirv-val", log, glsl);
+  code = std::move(compiled.spirv);
+  if (cache.keep) cache.keep(key, code);
   return {};
 }
 

@@ -181,6 +181,21 @@ void open_queue(Device::Impl& impl) {
   impl.limits = impl.physical.getProperties().limits;
 }
 
+Result<Device> open_device(const DeviceOptions& options) {
+  auto impl = std::make_unique<Device::Impl>();
+  auto instance = make_instance(impl->context, options.validation ? impl->log.get() : nullptr);
+  if (!instance) return tl::unexpected(instance.error());
+  impl->instance = std::move(*instance);
+  if (options.validation) impl->messenger = impl->instance.createDebugUtilsMessengerEXT(messenger_info(*impl->log));
+  auto choice = choose(usable_devices(impl->instance), options.name);
+  if (!choice) return tl::unexpected(choice.error());
+  impl->physical = std::move(choice->physical);
+  impl->info = std::move(choice->info);
+  impl->cache = options.cache;
+  open_queue(*impl);
+  return Device(std::move(impl));
+}
+
 /// Mesa and NVIDIA read these when the instance is made; there is no call for it.
 void switch_driver_cache_off() {
   setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
@@ -292,18 +307,15 @@ Device::~Device() = default;
 
 Result<Device> Device::create(const DeviceOptions& options) {
   return guarded("opening the device", [&]() -> Result<Device> {
-    if (!options.cache) switch_driver_cache_off();
-    auto impl = std::make_unique<Impl>();
-    auto instance = make_instance(impl->context, options.validation ? impl->log.get() : nullptr);
-    if (!instance) return tl::unexpected(instance.error());
-    impl->instance = std::move(*instance);
-    if (options.validation) impl->messenger = impl->instance.createDebugUtilsMessengerEXT(messenger_info(*impl->log));
-    auto choice = choose(usable_devices(impl->instance), options.name);
-    if (!choice) return tl::unexpected(choice.error());
-    impl->physical = std::move(choice->physical);
-    impl->info = std::move(choice->info);
-    open_queue(*impl);
-    return Device(std::move(impl));
+    if (!options.driver_cache) switch_driver_cache_off();
+    return open_device(options);
+  });
+}
+
+std::future<Result<Device>> Device::create_async(const DeviceOptions& options) {
+  if (!options.driver_cache) switch_driver_cache_off();
+  return std::async(std::launch::async, [options] {
+    return guarded("opening the device", [&] { return open_device(options); });
   });
 }
 

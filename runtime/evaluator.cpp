@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cstring>
 
+#include "runtime/pipeline_cache.h"
 #include "shaders/records.h"
 
 namespace dmvv::runtime {
@@ -243,9 +244,11 @@ Result<KernelPipeline> Evaluator::Impl::make_kernel(Kernel kernel, std::span<con
   made.layout = gpu.device.createPipelineLayout(
       vk::PipelineLayoutCreateInfo{}.setSetLayouts(layouts).setPushConstantRanges(params));
   const vk::raii::ShaderModule module = gpu.make_shader(words.data(), words.size());
+  const PipelineCache cache(gpu, words);
   made.pipeline = gpu.device.createComputePipeline(
-      nullptr, {.stage = {.stage = vk::ShaderStageFlagBits::eCompute, .module = *module, .pName = "main"},
+      cache.handle(), {.stage = {.stage = vk::ShaderStageFlagBits::eCompute, .module = *module, .pName = "main"},
                 .layout = *made.layout});
+  cache.save();
   return made;
 }
 

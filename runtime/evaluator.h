@@ -61,7 +61,7 @@ struct Evaluator::Impl {
   void set_time(double time_ms);
   void upload(const compiler::Program& program);
   void bind_scene(const compiler::Program& program);
-  Result<void> warm_up(const Shot& shot, Timings* timings);
+  Result<void> warm_up(const Shot& shot, vk::Extent2D extent, bool with_positions, Timings* timings);
   Frame make_frame(vk::Extent2D extent, bool with_positions) const;
   void render_tile(Frame& target, const Shot& shot, const Tile& tile);
 };

@@ -53,6 +53,7 @@ struct Device::Impl {
   vk::raii::CommandPool pool{nullptr};
   vk::PhysicalDeviceLimits limits;
   DeviceInfo info;
+  std::shared_ptr<const DiskCache> cache;  ///< may be null
 
   Impl();
   GpuBuffer make_buffer(vk::DeviceSize bytes, vk::BufferUsageFlags usage, MemoryUse use) const;

@@ -198,18 +198,23 @@ void Evaluator::Impl::render_tile(Frame& target, const Shot& shot, const Tile& t
   });
 }
 
-/// Makes what is missing for this kind of picture, and draws a few pixels, so that the driver compiles it now.
-Result<void> Evaluator::Impl::warm_up(const Shot& shot, Timings* timings) {
+/// Makes what is missing for this kind of picture, and draws a few pixels, so that the driver compiles it now. They are
+/// drawn into the frame's own images: lavapipe compiles a kernel anew for images whose sides are powers of two.
+Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, bool with_positions, Timings* timings) {
   bool& is_warm = warm[shot.slice ? 0 : shot.has_caps ? 2 : 1];
-  if (is_warm) return {};
+  const bool has_frame = frame && frame->targets.extent == extent && frame->has_positions == with_positions;
+  if (is_warm && has_frame) return {};
   const Stopwatch watch(timings, "pipeline");
   if (!pixels) {
     auto made = make_kernel(compiler::Kernel::pixels, pixel_io, sizeof(gpu::PixelsParams));
     if (!made) return tl::unexpected(std::move(made.error()));
     pixels = std::move(*made);
   }
-  Frame small = make_frame({warm_up_px.x, warm_up_px.y}, false);
-  render_tile(small, shot, {{0, 0}, glm::min(warm_up_px, shot.size_px)});
+  if (!has_frame) {
+    frame.reset();
+    frame = make_frame(extent, with_positions);
+  }
+  render_tile(*frame, shot, {{0, 0}, glm::min(warm_up_px, shot.size_px)});
   is_warm = true;
   return {};
 }
@@ -225,15 +230,11 @@ Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
       std::min({longest_picture_px, gpu.limits.maxViewportDimensions[0], gpu.limits.maxViewportDimensions[1]});
   const auto shot = plan_shot(view, rasteriser->bounds(), largest_px);
   if (!shot) return tl::unexpected(shot.error());
-  if (const auto ready = warm_up(*shot, timings); !ready) return tl::unexpected(ready.error());
+  const vk::Extent2D extent = tile_extent(shot->size_px, view.samples);
+  if (const auto ready = warm_up(*shot, extent, view.want_depth, timings); !ready) return tl::unexpected(ready.error());
 
   const Stopwatch watch(timings, "frame");
   Picture picture = empty_picture(view);
-  const vk::Extent2D extent = tile_extent(shot->size_px, view.samples);
-  if (!frame || frame->targets.extent != extent || frame->has_positions != view.want_depth) {
-    frame.reset();
-    frame = make_frame(extent, view.want_depth);
-  }
   std::size_t unfinished = 0;
   for (std::uint32_t y = 0; y < shot->size_px.y; y += extent.height) {
     for (std::uint32_t x = 0; x < shot->size_px.x; x += extent.width) {

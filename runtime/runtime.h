@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <future>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "compiler/program.h"
+#include "runtime/disk_cache.h"
 #include "runtime/view.h"
 #include "voml/mesh.h"
 #include "voml/result.h"
@@ -20,8 +22,10 @@ namespace dmvv::runtime {
 struct DeviceOptions {
   std::string name;  ///< part of a device's name, any case; empty: the first discrete GPU, else integrated, else CPU
   bool validation = false;  ///< Khronos validation layer on; its messages are collected
-  bool cache =
-      true;  ///< false: the driver's shader cache is switched off for this process, by its environment (--no-cache)
+  /// False: the driver's own shader cache is switched off for this process, by its environment.
+  bool driver_cache = true;
+  /// Keeps pipelines for those drivers that give them away; may be null.
+  std::shared_ptr<const DiskCache> cache = nullptr;
 };
 
 /// Limits of a device that a program must respect, in the units of the Vulkan specification.
@@ -47,6 +51,9 @@ class Device {
   /// Errors (environment): no Vulkan driver (names the Debian package), no device of that name (lists those there are),
   /// no validation layer (names the package).
   static Result<Device> create(const DeviceOptions& options);
+  /// The same in a thread of its own; loading a driver takes some 50 ms. The process' environment must not be changed
+  /// while it runs.
+  static std::future<Result<Device>> create_async(const DeviceOptions& options);
 
   const DeviceInfo& info() const;
   /// All messages of the validation layer so far; empty if it is off or has nothing to say.

@@ -91,8 +91,8 @@ class Assembler {
 
 class Compilation {
  public:
-  Compilation(const voml::Function& function, Diagnostics& diagnostics)
-      : function_(function), diagnostics_(diagnostics) {
+  Compilation(const voml::Function& function, Diagnostics& diagnostics, const CodeCache& cache)
+      : function_(function), diagnostics_(diagnostics), cache_(cache) {
     for (const voml::GlslText& helper : function.helpers) texts_.push_back(&helper);
     texts_.push_back(&function.body);
   }
@@ -135,6 +135,7 @@ class Compilation {
 
   const voml::Function& function_;
   Diagnostics& diagnostics_;
+  const CodeCache& cache_;
   std::vector<const voml::GlslText*> texts_;
   Prepared prepared_;
   Shader shader_;
@@ -459,7 +460,7 @@ std::optional<Snippet> Compilation::run() {
 
   // 2. glslang.
   shader_ = Assembler(prepared_).run();
-  const Compiled compiled = compile_vertex_shader(shader_.glsl);
+  const Compiled compiled = compile_vertex_shader(shader_.glsl, cache_);
   report_log(compiled.errors);
   if (errors_ == 0) report_missing_returns(compiled.spirv);
   if (errors_ != 0) return std::nullopt;
@@ -478,9 +479,10 @@ std::optional<Snippet> Compilation::run() {
 
 }  // namespace
 
-std::optional<Snippet> compile_snippet(const voml::Function& function, Diagnostics& diagnostics) {
+std::optional<Snippet> compile_snippet(const voml::Function& function, Diagnostics& diagnostics,
+                                       const CodeCache& cache) {
   try {
-    return Compilation(function, diagnostics).run();
+    return Compilation(function, diagnostics, cache).run();
   } catch (const std::bad_alloc&) {
     diagnostics.report(Code::snippet_refused, function.span, "there is not enough memory to compile this function");
     return std::nullopt;

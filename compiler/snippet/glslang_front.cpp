@@ -1,13 +1,10 @@
 #include "compiler/snippet/glslang_front.h"
 
-#include <glslang/Public/ResourceLimits.h>
-#include <glslang/SPIRV/GlslangToSpv.h>
-
 #include <algorithm>
 #include <charconv>
 #include <string_view>
 
-#include "compiler/glslang_process.h"
+#include "compiler/glsl_compiler.h"
 
 namespace dmvv::compiler::snippet {
 namespace {
@@ -61,25 +58,13 @@ std::vector<LogEntry> parse_log(std::string_view log) {
 
 }  // namespace
 
-Compiled compile_vertex_shader(const std::string& glsl) {
-  use_glslang();
-  const char* text = glsl.c_str();
-  glslang::TShader shader(EShLangVertex);
-  shader.setStrings(&text, 1);
-  shader.setEnvInput(glslang::EShSourceGlsl, EShLangVertex, glslang::EShClientVulkan, 100);
-  shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_2);
-  shader.setEnvTarget(glslang::EShTargetSpv, glslang::EShTargetSpv_1_5);
-  constexpr auto messages = static_cast<EShMessages>(EShMsgSpvRules | EShMsgVulkanRules | EShMsgCascadingErrors);
-  if (!shader.parse(GetDefaultResources(), 460, false, messages)) return {{}, parse_log(shader.getInfoLog())};
-  glslang::TProgram program;
-  program.addShader(&shader);
-  if (!program.link(messages)) return {{}, parse_log(program.getInfoLog())};
-
-  Compiled result;
-  glslang::SpvOptions options;
-  options.disableOptimizer = true;  // read_spirv wants what the author wrote
-  glslang::GlslangToSpv(*program.getIntermediate(EShLangVertex), result.spirv, &options);
-  return result;
+Compiled compile_vertex_shader(const std::string& glsl, const CodeCache& cache) {
+  const std::string key = code_key(ShaderStage::vertex, glsl);
+  if (auto known = find_code(cache, key); !known.empty()) return {std::move(known), {}};
+  CompiledGlsl compiled = compile_glsl(ShaderStage::vertex, glsl);
+  if (compiled.spirv.empty()) return {{}, parse_log(compiled.log)};
+  if (cache.keep) cache.keep(key, compiled.spirv);
+  return {std::move(compiled.spirv), {}};
 }
 
 }  // namespace dmvv::compiler::snippet

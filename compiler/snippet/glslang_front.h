@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "compiler/code_cache.h"
+
 namespace dmvv::compiler::snippet {
 
 /// An error of glslang.
@@ -20,7 +22,7 @@ struct Compiled {
 };
 
 /// Compiles a vertex shader: that stage knows neither derivatives nor discard.
-/// Cost: some milliseconds for 1,000 lines.
-Compiled compile_vertex_shader(const std::string& glsl);
+/// `cache` is asked first, and told of what compiled.
+Compiled compile_vertex_shader(const std::string& glsl, const CodeCache& cache = {});
 
 }  // namespace dmvv::compiler::snippet

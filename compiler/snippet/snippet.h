@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/code_cache.h"
 #include "voml/scene.h"
 
 namespace dmvv::compiler::snippet {
@@ -93,6 +94,8 @@ class Snippet {
 /// reason, E0405 recursion, E0406 a loop that does not end (with the point and time at which it ran away; probed at
 /// fixed points of the cube and times).
 /// Warnings: W0401 NaN or infinite at a probed point (the witness).
-std::optional<Snippet> compile_snippet(const voml::Function& function, Diagnostics& diagnostics);
+/// Cost: some milliseconds, most of it glslang; a snippet that `cache` knows does without glslang.
+std::optional<Snippet> compile_snippet(const voml::Function& function, Diagnostics& diagnostics,
+                                       const CodeCache& cache = {});
 
 }  // namespace dmvv::compiler::snippet

@@ -18,11 +18,11 @@
 #include <sstream>
 #include <thread>
 
-#include "cli/content_hash.h"
 #include "cli/frames.h"
 #include "cli/progress.h"
 #include "tests/cli/program.h"
 #include "tests/cli/scenes.h"
+#include "voml/content_hash.h"
 
 using namespace dmvv::cli;
 using namespace dmvv::test;
@@ -220,7 +220,7 @@ TEST_CASE("the content hash is FNV-1a with 128 bits over each file and its lengt
                        static_cast<std::uint64_t>(hash));
   };
   const auto computed = [](std::initializer_list<std::string> files) {
-    ContentHash hash;
+    dmvv::ContentHash hash;
     for (const std::string& file : files) hash.add(file);
     return hash.text();
   };
@@ -279,7 +279,7 @@ TEST_CASE("frames are the same whatever the share and the order, and the manifes
 
   const json manifest = json::parse(all.read("MANIFEST.json"));
   CHECK(manifest["scene"] == "s.voml");
-  ContentHash hash;
+  dmvv::ContentHash hash;
   hash.add(nested_cubes);
   CHECK(manifest["scene_hash"] == hash.text());
   CHECK(manifest["span_ms"] == json{0, 1000});

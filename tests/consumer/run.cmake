@@ -29,4 +29,6 @@ run(${CMAKE_COMMAND} -S ${SOURCE}/tests/consumer -B ${consumer} -G ${GENERATOR} 
   -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_PREFIX_PATH=${moved})
 run(${CMAKE_COMMAND} --build ${consumer})
 run(${consumer}/shader_test)
-run(${moved}/bin/dmvv --version)
+file(WRITE ${consumer}/ball.voml
+  "<MVV><OBJECT name=\"BALL\"><REGION name=\"R.BALL\" type=\"color\" rgb=\"1 0.5 0\"/></OBJECT></MVV>")
+run(${moved}/bin/dmvv render ${consumer}/ball.voml -o ${consumer}/ball.png --size 32x18)

@@ -1,10 +1,10 @@
-#include "cli/content_hash.h"
+#include "voml/content_hash.h"
 
 #include <fmt/format.h>
 
 #include <utility>
 
-namespace dmvv::cli {
+namespace dmvv {
 
 void ContentHash::add_byte(unsigned char byte) {
   low_ ^= byte;
@@ -22,7 +22,9 @@ void ContentHash::add(std::string_view bytes) {
     add_byte(static_cast<unsigned char>(std::uint64_t{bytes.size()} >> shift));
 }
 
-std::string ContentHash::text() const { return fmt::format("fnv1a-128:{:016x}{:016x}", high_, low_); }
+std::string ContentHash::digits() const { return fmt::format("{:016x}{:016x}", high_, low_); }
+
+std::string ContentHash::text() const { return "fnv1a-128:" + digits(); }
 
 ReadFile hashing(ReadFile files, ContentHash& hash) {
   return [files = std::move(files), &hash](const std::string& path, std::uint64_t max_bytes) {
@@ -32,4 +34,4 @@ ReadFile hashing(ReadFile files, ContentHash& hash) {
   };
 }
 
-}  // namespace dmvv::cli
+}  // namespace dmvv

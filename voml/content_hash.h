@@ -1,4 +1,4 @@
-// What a scene was made of, as one number: equal hashes, equal bytes.
+// What something was made of, as one number: equal hashes, equal bytes.
 #pragma once
 
 #include <cstdint>
@@ -7,14 +7,16 @@
 
 #include "voml/files.h"
 
-namespace dmvv::cli {
+namespace dmvv {
 
-/// FNV-1a with 128 bits (Fowler, Noll, Vo; RFC 9923). Tells versions of a scene apart; no defence against forgery.
+/// FNV-1a with 128 bits (Fowler, Noll, Vo; RFC 9923). Tells versions apart; no defence against forgery.
 class ContentHash {
  public:
   /// The bytes, and that they end here: "ab", "c" differs from "a", "bc".
   void add(std::string_view bytes);
-  /// "fnv1a-128:" and 32 hexadecimal digits.
+  /// 32 hexadecimal digits.
+  std::string digits() const;
+  /// "fnv1a-128:" and the digits.
   std::string text() const;
 
  private:
@@ -27,4 +29,4 @@ class ContentHash {
 /// Reads by way of `files` and adds what was read, in the order of reading. `hash` must outlive the result.
 ReadFile hashing(ReadFile files, ContentHash& hash);
 
-}  // namespace dmvv::cli
+}  // namespace dmvv
