@@ -16,6 +16,8 @@ namespace {
 // A grid may lie anywhere in an atlas of up to this many texels: bound of the texel error of a normalised coordinate.
 constexpr double atlas_texels = 2048.0;
 constexpr std::size_t shortest_indexed_list = 8;
+// Colours agree within 1e-3; of that, rounding a bitmap's values to rgba16f takes up to 2^-12.
+constexpr double color_slack = 7e-4;
 
 /// Whether a test passes, and whether float32 arithmetic must come to the same.
 struct Tested {
@@ -83,6 +85,26 @@ GridBounds measure(const voml::Grid& grid) {
   return bounds;
 }
 
+/// The same of a bitmap, which goes on at its opposite side; values 0..1.
+glm::dvec3 measure(const voml::Bitmap& bitmap) {
+  const std::size_t n = bitmap.n;
+  glm::ivec3 slope(0);
+  const auto differ = [&](std::size_t a, std::size_t b) {
+    const glm::ivec4 d = glm::abs(glm::ivec4(bitmap.texels[a]) - glm::ivec4(bitmap.texels[b]));
+    return std::max({d.x, d.y, d.z, d.w});
+  };
+  for (std::size_t z = 0, i = 0; z < n; ++z) {
+    for (std::size_t y = 0; y < n; ++y) {
+      for (std::size_t x = 0; x < n; ++x, ++i) {
+        slope.x = std::max(slope.x, differ(i, (z * n + y) * n + (x + 1) % n));
+        slope.y = std::max(slope.y, differ(i, (z * n + (y + 1) % n) * n + x));
+        slope.z = std::max(slope.z, differ(i, ((z + 1) % n * n + y) * n + x));
+      }
+    }
+  }
+  return glm::dvec3(slope) / 255.0;
+}
+
 }  // namespace
 
 double sample(const voml::Grid& grid, const glm::dvec3& q) {
@@ -107,12 +129,18 @@ struct Reference::Impl {
   const Module& module;
   Options options;
   std::vector<GridBounds> grid_bounds;
+  std::vector<glm::dvec3> bitmap_slopes;
+  double bitmap_atlas_texels = 0.0;  // no side of the bitmaps' atlas is longer
   std::vector<LocalBox> boxes;                            // of each SDF
   std::vector<std::optional<Lookup>> seeds;               // of each SDF
   std::vector<std::vector<std::optional<Lookup>>> groups;  // of each region and group
 
   Impl(const Module& m, Options o) : module(m), options(o) {
     for (const voml::Grid& grid : module.grids) grid_bounds.push_back(measure(grid));
+    for (const voml::Bitmap& bitmap : module.bitmaps) {
+      bitmap_slopes.push_back(measure(bitmap));
+      bitmap_atlas_texels += bitmap.n + 2.0;
+    }
     for (const Sdf& sdf : module.sdfs) {
       boxes.push_back(local_box(sdf, module));
       seeds.emplace_back();
@@ -223,7 +251,7 @@ struct Reference::Impl {
     if (region.number != 0) {
       out.path.back().candidate = 0;
       out.number = region.number;
-      out.rgba = color(region, p.p);
+      out.rgba = color(region, p, out.certain);
       return true;
     }
     out.path.pop_back();
@@ -260,9 +288,14 @@ struct Reference::Impl {
     return held.yes && evaluate(candidate.object, q, time_ms, out);
   }
 
-  glm::dvec4 color(const Region& region, const glm::dvec3& p) const {
+  glm::dvec4 color(const Region& region, const Approximate& p, bool& certain) const {
     if (region.kind != voml::RegionKind::bitmap) return {region.rgb, region.opacity};
-    const glm::dvec4 texel = wrapped_texel(at(module.bitmaps, region.bitmap), region.texture_from_object(p));
+    const voml::Bitmap& bitmap = at(module.bitmaps, region.bitmap);
+    const Approximate q = apply(region.texture_from_object, p);
+    const glm::dvec3 wrapped_error = q.error + 4.0 * float_unit * (glm::abs(q.p) + 1.0);
+    const glm::dvec3 texel_error = wrapped_error * (0.5 * bitmap.n) + 6.0 * float_unit * bitmap_atlas_texels;
+    certain = certain && glm::dot(texel_error, bitmap_slopes[region.bitmap.index]) < color_slack;
+    const glm::dvec4 texel = wrapped_texel(bitmap, q.p);
     return {glm::dvec3(texel), texel.a * region.opacity};
   }
 

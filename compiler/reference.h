@@ -11,7 +11,8 @@ namespace dmvv::compiler {
 /// A point's answer, and whether float32 arithmetic must come to the same.
 struct ReferenceAnswer : PointAnswer {
   /// True if every decision on the way (distances, boxes, cubes, tile borders) is farther from its threshold than the
-  /// error bound of float32 evaluation (spec/accuracy.md): a shader must then give the same region and path.
+  /// error bound of float32 evaluation (spec/accuracy.md): a shader must then give the same region and path, and a
+  /// colour within 1e-3.
   bool certain = true;
 };
 

@@ -6,6 +6,7 @@
 
 #include "compiler/reference.h"
 #include "runtime/runtime.h"
+#include "tests/support/agreement.h"
 #include "tests/support/scene_table.h"
 
 using namespace dmvv;
@@ -33,28 +34,9 @@ std::vector<glm::dvec3> points_of(std::uint64_t seed) {
   return points;
 }
 
-/// A static scene is the same at all times; a moving one is looked at from its start to an hour later.
-std::vector<double> times_of(const compiler::Program& program) {
-  if (program.time_functions.empty()) return {0.0};
-  return {0.0, 16.7, 1234.5, 60000.0, 3600000.0};
-}
-
-struct Setting {
-  std::string name;
-  compiler::CompileOptions options;
-};
-
-std::vector<Setting> settings() {
-  std::vector<Setting> all{{"specialised", {}}, {"table", {}}, {"mixed", {}}, {"no passes", {}}};
-  all[1].options.codegen = compiler::Codegen::table;
-  all[2].options.inlined_line_budget = 200;
-  for (const auto& pass : compiler::pass_names()) all[3].options.disabled_passes.emplace_back(pass.name);
-  return all;
-}
-
-/// Compares by region names, since passes may renumber the regions of a module.
-void compare(const compiler::Module& module, const compiler::Program& program,
-             const std::vector<glm::dvec3>& points, double time_ms, const std::vector<compiler::PointAnswer>& answers) {
+void check_answers(const compiler::Module& module, const compiler::Program& program,
+                   const std::vector<glm::dvec3>& points, double time_ms,
+                   const std::vector<compiler::PointAnswer>& answers) {
   const compiler::Reference reference(module);
   const auto legend = compiler::legend(module);
   std::size_t certain = 0;
@@ -62,12 +44,13 @@ void compare(const compiler::Module& module, const compiler::Program& program,
     const auto expected = reference.evaluate(points[i], time_ms);
     if (!expected.certain) continue;
     ++certain;
+    const auto difference = tests::compare(legend, expected, program.regions, answers[i]);
+    if (!difference) continue;
     CAPTURE(points[i].x);
     CAPTURE(points[i].y);
     CAPTURE(points[i].z);
-    CHECK(answers[i].number == expected.number);
-    CHECK(compiler::format_path(program.regions, answers[i].path) == compiler::format_path(legend, expected.path));
-    for (int c = 0; c < 4; ++c) CHECK(std::abs(answers[i].rgba[c] - expected.rgba[c]) < 1e-3);
+    CAPTURE(difference->expected);
+    FAIL_CHECK(difference->got);
   }
   CHECK(certain > points.size() * 8 / 10);  // faces of the cube are uncertain by nature, little else may be
 }
@@ -80,17 +63,17 @@ TEST_CASE("every evaluator gives the same region, path and colour") {
     CAPTURE(scene.name);
     const auto module = tests::lowered(scene.text, scene.files);
     const auto points = points_of(42);
-    for (const Setting& setting : settings()) {
+    for (const tests::Setting& setting : tests::agreeing_settings()) {
       CAPTURE(setting.name);
       const auto program = tests::compiled(module, setting.options);
       auto evaluator = runtime::Evaluator::create(device, program);
       REQUIRE(evaluator);
-      for (const double time_ms : times_of(program)) {
+      for (const double time_ms : tests::times_of(program)) {
         CAPTURE(time_ms);
         const auto answers = evaluator->probe(points, time_ms);
         REQUIRE(answers);
         REQUIRE(answers->size() == points.size());
-        compare(module, program, points, time_ms, *answers);
+        check_answers(module, program, points, time_ms, *answers);
       }
     }
   }

@@ -3,13 +3,13 @@
 
 #include <doctest/doctest.h>
 
-#include <cstdint>
 #include <functional>
 #include <map>
 #include <string>
 
 #include "compiler/compile.h"
 #include "compiler/module.h"
+#include "tests/support/random.h"
 #include "voml/scene.h"
 
 namespace dmvv::tests {
@@ -76,26 +76,5 @@ inline compiler::Program compiled(const compiler::Module& module, const compiler
   }
   return std::move(*program);
 }
-
-/// Small deterministic generator (splitmix64); uniform numbers in [0, 1).
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  std::uint64_t bits() {
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-  }
-  double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
-  double in(double lo, double hi) { return lo + (hi - lo) * uniform(); }
-  glm::dvec3 point(double lo = -1.0, double hi = 1.0) {
-    const double x = in(lo, hi), y = in(lo, hi);
-    return {x, y, in(lo, hi)};
-  }
-
- private:
-  std::uint64_t state_;
-};
 
 }  // namespace dmvv::tests

@@ -108,3 +108,27 @@ TEST_CASE("bitmaps: rows from the bottom, wrapped, trilinear between texel centr
   CHECK(reference.evaluate({0.75, -0.5, -0.5}).rgba.r == doctest::Approx(0.75));  // half-way round the border to texel 0
   CHECK(reference.evaluate({1, -0.5, -0.5}).rgba.r == doctest::Approx(0.5));
 }
+
+TEST_CASE("a colour is certain only where rounding a point to float32 cannot change it by 1e-3") {
+  // Stripes along x of an object of size s at x = 0.9: rounding x moves the local point by up to 2^-24 0.9 / s, and the
+  // colour by as much. At s = 1e-5 that is 5e-3.
+  const auto striped = [](double s, bool stripes) {
+    voml::Bitmap bitmap;
+    bitmap.n = 2;
+    for (int i = 0; i < 8; ++i) bitmap.texels.emplace_back(stripes ? i % 2 * 255 : 255, 0, 0, 255);
+    compiler::Module module = tests::lowered(fmt::format(
+        "<MVV><OBJECT name='A'><REGION name='R' type='color' rgb='1 0 0'/></OBJECT><OBJECT name='ROOT'><REGION name='R' "
+        "type='color' rgb='0 0 1'><EMBEDDED name='A' translate='0.9 0 0' scale='{0} {0} {0}'/></REGION></OBJECT></MVV>", s));
+    module.bitmaps.push_back(bitmap);
+    for (compiler::Region& region : module.regions) {
+      if (region.rgb.r != 1.0) continue;
+      region.kind = voml::RegionKind::bitmap;
+      region.bitmap = {0};
+    }
+    return compiler::Reference(module).evaluate({0.9, 0, 0});
+  };
+  CHECK(striped(0.05, true).certain);
+  CHECK_FALSE(striped(1e-5, true).certain);
+  CHECK(striped(1e-5, false).certain);
+  CHECK(striped(1e-5, true).path.size() == 2);
+}

@@ -1,0 +1,59 @@
+// What every test of agreement shares: the forms of generated code, the moments looked at, and when an answer of a
+// device agrees with the reference's.
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compiler/compile.h"
+#include "compiler/reference.h"
+
+namespace dmvv::tests {
+
+/// A form of generated code.
+struct Setting {
+  std::string name;
+  compiler::CompileOptions options;
+};
+
+/// Each must answer like the reference (spec/accuracy.md).
+inline std::vector<Setting> agreeing_settings() {
+  std::vector<Setting> all{{"specialised", {}}, {"table", {}}, {"mixed", {}}, {"no passes", {}}};
+  all[1].options.codegen = compiler::Codegen::table;
+  all[2].options.inlined_line_budget = 200;
+  for (const auto& pass : compiler::pass_names()) all[3].options.disabled_passes.emplace_back(pass.name);
+  return all;
+}
+
+/// A static scene is the same at all times; a moving one is looked at from its start to an hour later.
+inline std::vector<double> times_of(const compiler::Program& program) {
+  if (program.time_functions.empty()) return {0.0};
+  return {0.0, 16.7, 1234.5, 60000.0, 3600000.0};
+}
+
+/// Where an answer is not the expected one: what was expected and what came; empty where they agree. Regions are
+/// compared by number and by the names along the path, since passes may drop regions of a module.
+struct Disagreement {
+  std::string expected;
+  std::string got;
+};
+
+inline std::optional<Disagreement> compare(const std::vector<compiler::RegionInfo>& expected_legend,
+                                           const compiler::PointAnswer& expected,
+                                           const std::vector<compiler::RegionInfo>& legend,
+                                           const compiler::PointAnswer& got) {
+  const auto text = [](const std::vector<compiler::RegionInfo>& regions, const compiler::PointAnswer& answer) {
+    return "region " + std::to_string(answer.number) + " '" + compiler::format_path(regions, answer.path) + "' rgba " +
+           std::to_string(answer.rgba.r) + " " + std::to_string(answer.rgba.g) + " " + std::to_string(answer.rgba.b) +
+           " " + std::to_string(answer.rgba.a);
+  };
+  bool same = got.finished && got.number == expected.number &&
+              compiler::format_path(legend, got.path) == compiler::format_path(expected_legend, expected.path);
+  for (int c = 0; c < 4; ++c) same = same && std::abs(got.rgba[c] - expected.rgba[c]) < 1e-3;
+  if (same) return std::nullopt;
+  return Disagreement{text(expected_legend, expected), text(legend, got)};
+}
+
+}  // namespace dmvv::tests
