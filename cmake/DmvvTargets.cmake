@@ -11,6 +11,9 @@ if(DMVV_SANITIZE)
   target_compile_options(dmvv_sanitize INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
     -fno-sanitize=vptr -fno-omit-frame-pointer)
   target_link_options(dmvv_sanitize INTERFACE -fsanitize=address,undefined)
+  if(DMVV_FUZZ)
+    target_compile_options(dmvv_sanitize INTERFACE -fsanitize=fuzzer-no-link)
+  endif()
 endif()
 
 function(dmvv_library name)

@@ -98,6 +98,16 @@ class Reader {
     return true;
   }
 
+  /// Empty if an edge of the box can be used: also as float32 in the standard cube, where shaders have it.
+  static std::string_view box_fault(float lo, float hi) {
+    if (!std::isfinite(lo) || !std::isfinite(hi)) return "not finite";
+    if (!(lo < hi)) return "empty or reversed";
+    const auto cube_lo = static_cast<float>(2.0 * double{lo} - 1.0), cube_hi = static_cast<float>(2.0 * double{hi} - 1.0);
+    if (!std::isfinite(cube_lo) || !std::isfinite(cube_hi)) return "beyond the range of float32";
+    if (!(cube_lo < cube_hi)) return "thinner than float32 can tell";
+    return {};
+  }
+
   bool read_box(Grid& grid) {
     const std::int32_t has_box = load_i32(bytes_, at_has_box);
     if (has_box == 0) return true;
@@ -107,13 +117,12 @@ class Reader {
     for (int i = 0; i < 3; ++i) {
       const float lo = load_f32(bytes_, at_box_lo + 4 * static_cast<std::size_t>(i));
       const float hi = load_f32(bytes_, at_box_hi + 4 * static_cast<std::size_t>(i));
-      if (!std::isfinite(lo) || !std::isfinite(hi) || !(lo < hi)) {
-        const std::string_view why = !std::isfinite(lo) || !std::isfinite(hi) ? "not finite" : "empty or reversed";
+      grid.box_lo[i] = 2.0 * double{lo} - 1.0;
+      grid.box_hi[i] = 2.0 * double{hi} - 1.0;
+      if (const std::string_view why = box_fault(lo, hi); !why.empty()) {
         return refuse(Code::lxn_box,
                       fmt::format("the bounding box is {} along {}: it goes from {} to {}", why, "xyz"[i], lo, hi));
       }
-      grid.box_lo[i] = 2.0 * double{lo} - 1.0;
-      grid.box_hi[i] = 2.0 * double{hi} - 1.0;
     }
     return true;
   }

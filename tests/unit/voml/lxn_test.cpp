@@ -128,6 +128,13 @@ TEST_CASE("boxes that are empty, reversed or not finite and values that are not 
   CHECK(refusal(test::lxn_with(72, 2.0f)).find("along z: it goes from 2 to 1") != std::string::npos);
   CHECK(refusal(test::lxn_with(80, infinity)).find("not finite along y") != std::string::npos);
   CHECK(refusal(test::lxn_with(64, nan)).find("not finite along x") != std::string::npos);
+  // Corners stand at 2 b - 1: next to -1, float32 steps by 2^-24, and twice 3e38 is beyond it.
+  const auto box_x = [](float lo, float hi) {
+    return test::lxn_with(64, lo).substr(0, 76) + test::lxn_with(76, hi).substr(76);
+  };
+  CHECK(refusal(box_x(1e-30f, 2e-30f)).find("thinner than float32 can tell along x") != std::string::npos);
+  CHECK(parse(box_x(0.0f, 0x1p-25f)).has_value());
+  CHECK(refusal(box_x(0.0f, 3e38f)).find("beyond the range of float32 along x") != std::string::npos);
   CHECK(refusal(test::lxn_with(128 + 4 * 6, -infinity)).find("value 6 (x 0, y 1, z 1) is -inf") != std::string::npos);
   CHECK(refusal(test::lxn_with(128, nan)).find("value 0 (x 0, y 0, z 0) is nan") != std::string::npos);
 }
