@@ -7,7 +7,6 @@
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "compiler/lint.h"
-#include "compiler/snippet/snippet.h"
 #include "voml/files.h"
 
 namespace dmvv::cli {
@@ -25,9 +24,7 @@ bool is_fine(const std::string& path, const CheckOptions& options, Context& cont
   if (scene) {
     counts = fmt::format("{}, {}, {}", plural(scene->objects.size(), "object"), plural(scene->sdfs.size(), "SDF"),
                          plural(scene->regions.size(), "region"));
-    // Those of objects that the root does not reach, too.
-    for (const voml::Function& function : scene->functions) compiler::snippet::compile_snippet(function, diagnostics);
-    const auto module = compiler::lower(std::move(*scene), diagnostics);
+    const auto module = compiler::lower(std::move(*scene), diagnostics, {.check_everything = true});
     if (module) compiler::lint(*module, diagnostics);
   }
   context.stopwatch.lap("check");

@@ -86,7 +86,7 @@ voml::Scene read_scene(const SceneOptions& options, Context& context, Diagnostic
 
 compiler::Module lower(voml::Scene scene, Context& context, Diagnostics& diagnostics,
                        const compiler::CodeCache& cache) {
-  auto module = compiler::lower(std::move(scene), diagnostics, cache);
+  auto module = compiler::lower(std::move(scene), diagnostics, {.check_everything = false, .cache = cache});
   context.stopwatch.lap("compile");
   if (!module) stop_with(diagnostics, context);
   return std::move(*module);

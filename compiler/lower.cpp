@@ -28,20 +28,25 @@ Id<T> move_once(Renumber<T>& renumber, std::vector<T>& from, std::vector<T>& to,
 
 class Lowering {
  public:
-  Lowering(voml::Scene scene, Diagnostics& diagnostics, const CodeCache& cache)
+  Lowering(voml::Scene scene, Diagnostics& diagnostics, const LowerOptions& options)
       : scene_(std::move(scene)),
         diagnostics_(diagnostics),
-        cache_(cache),
+        options_(options),
         objects_(scene_.objects.size()),
         sdfs_(scene_.sdfs.size()),
         nodes_(scene_.nodes.size()),
         grids_(scene_.grids.size()),
         bitmaps_(scene_.bitmaps.size()),
-        functions_(scene_.functions.size()) {}
+        functions_(scene_.functions.size()),
+        compiled_(scene_.functions.size(), false) {}
 
   std::optional<Module> run() {
-    if (!order_objects()) return std::nullopt;
-    for (const Id<voml::Object> id : parents_first_) lower_object(id);
+    const bool ordered = order_objects();
+    if (ordered) {
+      for (const Id<voml::Object> id : parents_first_) lower_object(id);
+    }
+    if (options_.check_everything) compile_the_rest();
+    if (!ordered) return std::nullopt;
     if (diagnostics_.has_errors()) return std::nullopt;
     module_.root = objects_[scene_.root];
     number_regions();
@@ -177,10 +182,17 @@ class Lowering {
 
   /// A function that does not compile leaves an invalid id; the errors that it reported end the lowering.
   Id<Function> lower_function(Id<voml::Function> id, const std::string& name) {
-    if (functions_.known(id)) return functions_[id];
-    auto snippet = snippet::compile_snippet(at(scene_.functions, id), diagnostics_, cache_);
+    if (compiled_[id.index]) return functions_[id];
+    compiled_[id.index] = true;
+    auto snippet = snippet::compile_snippet(at(scene_.functions, id), diagnostics_, options_.cache);
     if (!snippet) return {};
     return functions_[id] = append(module_.functions, Function{name, std::move(*snippet)});
+  }
+
+  void compile_the_rest() {
+    for (std::size_t i = 0; i < compiled_.size(); ++i) {
+      if (!compiled_[i]) snippet::compile_snippet(scene_.functions[i], diagnostics_);
+    }
   }
 
   Id<Sdf> lower_sdf(Id<voml::Sdf> id) {
@@ -267,7 +279,7 @@ class Lowering {
 
   voml::Scene scene_;
   Diagnostics& diagnostics_;
-  const CodeCache& cache_;
+  LowerOptions options_;
   Module module_;
   std::vector<Id<voml::Object>> parents_first_;
   Id<voml::Object> current_;
@@ -279,12 +291,13 @@ class Lowering {
   Renumber<voml::Grid> grids_;
   Renumber<voml::Bitmap> bitmaps_;
   Renumber<voml::Function, Function> functions_;
+  std::vector<bool> compiled_;  ///< functions, with or without errors
 };
 
 }  // namespace
 
-std::optional<Module> lower(voml::Scene scene, Diagnostics& diagnostics, const CodeCache& cache) {
-  return Lowering(std::move(scene), diagnostics, cache).run();
+std::optional<Module> lower(voml::Scene scene, Diagnostics& diagnostics, const LowerOptions& options) {
+  return Lowering(std::move(scene), diagnostics, options).run();
 }
 
 }  // namespace dmvv::compiler

@@ -95,10 +95,15 @@ struct Module {
   std::uint32_t depth = 1;  ///< objects on the longest chain of embeddings, the root counted
 };
 
+struct LowerOptions {
+  bool check_everything = false;  ///< also compiles the snippets that the root does not reach, for their mistakes
+  CodeCache cache;                ///< asked before a snippet is compiled
+};
+
 /// Scene -> Module: composes matrices, drops what the root does not reach, orders objects, refuses cycles.
 /// Errors: E0110 embedding cycle (prints it); E04xx of the snippets that the root reaches.
-/// Cost: linear; the assets are moved, not copied.
-std::optional<Module> lower(voml::Scene scene, Diagnostics& diagnostics, const CodeCache& cache = {});
+/// Cost: linear; the assets are moved, not copied; each snippet is compiled once.
+std::optional<Module> lower(voml::Scene scene, Diagnostics& diagnostics, const LowerOptions& options = {});
 
 /// The module as text, one line a thing, stable across runs: for `--dump module` and goldens.
 std::string to_text(const Module& module);

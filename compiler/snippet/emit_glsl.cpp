@@ -16,6 +16,7 @@
 #include <span>
 
 #include "compiler/generate_glsl.h"
+#include "compiler/snippet/device_functions.h"
 #include "compiler/snippet/snippet.h"
 #include "compiler/snippet/time_values.h"
 
@@ -28,7 +29,8 @@ constexpr int most_nested = 60;              // branches that replace the exits 
 /// Rounds of a loop on a device; lavapipe allows as many to a shader invocation. Loops that do not end were refused.
 constexpr int most_rounds = 65535;
 
-/// How an operation is written: $0 $1 $2 are operands, and how tightly it binds (GLSL 4.60, section 5.1).
+/// How an operation is written: $0 $1 $2 are operands, @ begins the name of a function of our own
+/// (device_functions.h), and how tightly it binds (GLSL 4.60, section 5.1).
 /// Of an infix operation the right operand must bind more tightly, so the order of evaluation stays.
 struct Form {
   std::string_view pattern;
@@ -129,23 +131,23 @@ Form form_of(Op op) {
     case Op::f_tan:
       return {"tan($0)", primary};
     case Op::f_asin:
-      return {"asin($0)", primary};
+      return {"@asin($0)", primary};
     case Op::f_acos:
-      return {"acos($0)", primary};
+      return {"@acos($0)", primary};
     case Op::f_atan:
-      return {"atan($0)", primary};
+      return {"@atan($0)", primary};
     case Op::f_atan2:
-      return {"atan($0, $1)", primary};
+      return {"@atan2($0, $1)", primary};
     case Op::f_sinh:
       return {"sinh($0)", primary};
     case Op::f_cosh:
       return {"cosh($0)", primary};
     case Op::f_tanh:
-      return {"tanh($0)", primary};
+      return {"@tanh($0)", primary};
     case Op::f_asinh:
-      return {"asinh($0)", primary};
+      return {"@asinh($0)", primary};
     case Op::f_acosh:
-      return {"acosh($0)", primary};
+      return {"@acosh($0)", primary};
     case Op::f_atanh:
       return {"atanh($0)", primary};
     case Op::f_mix:
@@ -312,9 +314,10 @@ class Emitter {
  public:
   /// Results are registers to be read after the last statement, each by one call of `result`.
   Emitter(const Program& program, std::span<const Hoisted> hoisted, std::span<const Register> results,
-          std::string_view indentation)
+          std::string_view function_prefix, std::string_view indentation)
       : program_(program),
         hoisted_(hoisted),
+        function_prefix_(function_prefix),
         indentation_(indentation),
         uses_(program_.register_count() + hoisted.size(), 0) {
     count_uses(program_.body);
@@ -530,6 +533,10 @@ class Emitter {
   std::string filled(std::string_view pattern, const std::array<std::string, 3>& operands, Register result) const {
     std::string text;
     for (std::size_t i = 0; i < pattern.size(); ++i) {
+      if (pattern[i] == '@') {
+        text += function_prefix_;
+        continue;
+      }
       if (pattern[i] != '$') {
         text += pattern[i];
         continue;
@@ -711,6 +718,7 @@ class Emitter {
 
   const Program& program_;
   std::span<const Hoisted> hoisted_;
+  std::string_view function_prefix_;
   std::string_view indentation_;
   std::vector<std::uint32_t> uses_;
   std::vector<std::vector<std::string>> elements_;  ///< of the arrays in use, at the start
@@ -727,7 +735,7 @@ class Emitter {
 std::string schedule_text(const TimeSplit& split) {
   std::vector<Register> results;
   for (const TimeSlot& slot : split.slots) results.push_back(slot.result);
-  Emitter emitter(split.schedule, {}, results, "  //   ");
+  Emitter emitter(split.schedule, {}, results, "", "  //   ");
   std::string text = "  // Computed beforehand from t:\n" + emitter.statements(0);
   for (std::size_t k = 0; k < split.slots.size(); ++k) {
     constexpr std::string_view reduced[] = {"", ", mod 2 pi", ", mod 1"};
@@ -740,9 +748,10 @@ std::string schedule_text(const TimeSplit& split) {
 }  // namespace
 
 std::string Snippet::glsl(std::string_view name, std::size_t first_time_value) const {
-  const TimeSplit split = split_time(*program_);
-  Emitter emitter(split.residual, split.hoisted, {&split.residual.result, 1}, "  ");
-  std::string text = fmt::format("float {}(vec3 p) {{\n", name);
+  const TimeSplit& split = time_split();
+  const std::string prefix = fmt::format("{}_", name);
+  Emitter emitter(split.residual, split.hoisted, {&split.residual.result, 1}, prefix, "  ");
+  std::string text = device_functions(split.residual, prefix) + fmt::format("float {}(vec3 p) {{\n", name);
   if (!split.slots.empty()) text += schedule_text(split);
   text += emitter.statements(first_time_value);
   return text + fmt::format("  return {};\n}}\n", emitter.result(split.residual.result));

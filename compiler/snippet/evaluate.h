@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "compiler/snippet/dual.h"
+#include "compiler/snippet/integer_interval.h"
 #include "compiler/snippet/program.h"
 #include "compiler/snippet/snippet.h"
 
@@ -20,8 +22,15 @@ struct Evaluated {
 template <class Real>
 Evaluated<Real> evaluate_point(const Program& program, const std::array<Real, Program::input_count>& inputs);
 
-/// Encloses the values over all inputs, as Snippet::evaluate says.
+/// A value over a box: the one of its type counts.
+struct BoxValue {
+  Interval f{0.0, 0.0};
+  IntegerInterval i{0, 0};
+};
+
+/// Encloses the values over all inputs, as Snippet::evaluate says. `hoisted` are the registers from
+/// program.register_count() on, that a residual reads (time_values.h).
 Interval evaluate_box(const Program& program, const std::array<Interval, Program::input_count>& inputs,
-                      Rounding rounding);
+                      Rounding rounding, std::span<const BoxValue> hoisted = {});
 
 }  // namespace dmvv::compiler::snippet

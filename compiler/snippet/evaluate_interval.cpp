@@ -19,12 +19,16 @@ class BoxMachine {
  public:
   using Cells = std::vector<Cell<Domain>>;
 
-  BoxMachine(const Program& program, const std::array<Interval, Program::input_count>& inputs)
-      : program_(program), cells_(program.register_count()), starts_(array_starts(program)) {
+  BoxMachine(const Program& program, const std::array<Interval, Program::input_count>& inputs,
+             std::span<const BoxValue> hoisted)
+      : program_(program), cells_(program.register_count() + hoisted.size()), starts_(array_starts(program)) {
     for (Cell<Domain>& cell : cells_) cell.f = Interval{0.0, 0.0};
     for (Register r = 0; r < Program::input_count; ++r) cells_[r].f = Domain::input(inputs[r]);
     for (std::size_t k = 0; k < program.constants.size(); ++k) {
       cells_[program.first_constant() + k] = constant(program.constants[k]);
+    }
+    for (std::size_t k = 0; k < hoisted.size(); ++k) {
+      cells_[program.register_count() + k] = {Domain::flushed(hoisted[k].f), hoisted[k].i};
     }
     Cell<Domain> zero;
     zero.f = Interval{0.0, 0.0};
@@ -53,7 +57,7 @@ class BoxMachine {
     Cell<Domain> cell;
     const float value = std::bit_cast<float>(constant.bits);
     const bool is_real = constant.type == Type::real;
-    cell.f = is_real ? Interval{value, value} : Interval{0.0, 0.0};
+    cell.f = is_real ? Domain::flushed({value, value}) : Interval{0.0, 0.0};
     if (is_real && std::isnan(value)) cell.f = unknown_interval;
     const bool is_signed = constant.type == Type::integer;
     const std::int64_t whole = is_signed ? std::int64_t{static_cast<std::int32_t>(constant.bits)} : constant.bits;
@@ -229,9 +233,9 @@ class BoxMachine {
 }  // namespace
 
 Interval evaluate_box(const Program& program, const std::array<Interval, Program::input_count>& inputs,
-                      Rounding rounding) {
-  if (rounding == Rounding::real) return BoxMachine<IntervalDomain<Rounding::real>>(program, inputs).run();
-  return BoxMachine<IntervalDomain<Rounding::float32>>(program, inputs).run();
+                      Rounding rounding, std::span<const BoxValue> hoisted) {
+  if (rounding == Rounding::real) return BoxMachine<IntervalDomain<Rounding::real>>(program, inputs, hoisted).run();
+  return BoxMachine<IntervalDomain<Rounding::float32>>(program, inputs, hoisted).run();
 }
 
 }  // namespace dmvv::compiler::snippet

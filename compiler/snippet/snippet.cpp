@@ -3,10 +3,14 @@
 #include <algorithm>
 
 #include "compiler/snippet/evaluate.h"
+#include "compiler/snippet/time_values.h"
 
 namespace dmvv::compiler::snippet {
 
-Snippet::Snippet(std::shared_ptr<const Program> program) : program_(std::move(program)) {}
+Snippet::Snippet(std::shared_ptr<const Program> program)
+    : program_(std::move(program)), split_(std::make_shared<const TimeSplit>(split_time(*program_))) {}
+
+const TimeSplit& Snippet::time_split() const { return *split_; }
 
 bool Snippet::uses_time() const {
   return program_->result == Program::t ||
@@ -27,7 +31,10 @@ Value Snippet::evaluate(const glm::dvec3& p, double t_ms) const {
 }
 
 Interval Snippet::evaluate(const Box& p, const Interval& t_ms, Rounding rounding) const {
-  return evaluate_box(*program_, {Interval{p.lo.x, p.hi.x}, {p.lo.y, p.hi.y}, {p.lo.z, p.hi.z}, t_ms}, rounding);
+  const std::array<Interval, Program::input_count> inputs{
+      Interval{p.lo.x, p.hi.x}, {p.lo.y, p.hi.y}, {p.lo.z, p.hi.z}, t_ms};
+  if (rounding == Rounding::real) return evaluate_box(*program_, inputs, rounding);
+  return evaluate_box(split_->residual, inputs, rounding, device_values(*split_, t_ms));
 }
 
 Dual Snippet::differentiate(const glm::dvec3& p, double t_ms) const {

@@ -29,7 +29,9 @@ struct Interval {
 /// What interval results must enclose.
 enum class Rounding : std::uint8_t {
   real,     ///< the real-valued function (and its double evaluation): bounds rounded outward in double
-  float32,  ///< also every float32 evaluation on a device: each operation widened by its permitted error
+  /// Also every float32 evaluation on a device: each operation widened by its permitted error, time values (see below)
+  /// by the rounding of each; t itself never reaches a device, so it is not rounded.
+  float32,
 };
 
 struct Box {
@@ -50,6 +52,7 @@ struct Value {
 };
 
 struct Program;
+struct TimeSplit;
 
 /// An immutable snippet `float f(vec3 p, float t)`; cheap to copy, thread-safe.
 class Snippet {
@@ -57,6 +60,7 @@ class Snippet {
   /// Instructions one evaluation may execute before it counts as a loop that does not end.
   static constexpr std::uint64_t step_budget = 1u << 20;
 
+  /// Cost: that of split_time (time_values.h), once.
   explicit Snippet(std::shared_ptr<const Program> program);
 
   bool uses_time() const;
@@ -83,7 +87,10 @@ class Snippet {
   std::string glsl(std::string_view name, std::size_t first_time_value) const;
 
  private:
+  const TimeSplit& time_split() const;
+
   std::shared_ptr<const Program> program_;
+  std::shared_ptr<const TimeSplit> split_;
 };
 
 /// Compiles a function of a scene together with the FUNCTIONS blocks it may use and the library it includes.

@@ -27,10 +27,10 @@ inline std::vector<Setting> agreeing_settings() {
   return all;
 }
 
-/// A static scene is the same at all times; a moving one is looked at from its start to an hour later.
+/// A static scene is the same at all times; a moving one is looked at from its start to a day later.
 inline std::vector<double> times_of(const compiler::Program& program) {
   if (program.time_functions.empty()) return {0.0};
-  return {0.0, 16.7, 1234.5, 60000.0, 3600000.0};
+  return {0.0, 16.7, 1234.5, 3600000.0, 86400000.0};
 }
 
 /// Where an answer is not the expected one: what was expected and what came; empty where they agree. Regions are

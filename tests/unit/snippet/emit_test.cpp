@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <numbers>
 
+#include "compiler/snippet/evaluate.h"
 #include "emitted.h"
+#include "tests/support/scenes.h"
 
 using namespace dmvv;
 using namespace dmvv::test;
@@ -360,6 +362,58 @@ TEST_CASE("time: more values than a shader should read give t alone") {
   CHECK(busy.time_value_count() == 1);
   CHECK(busy.time_values(2.5)[0] == 2.5f);
   check_same(busy, 2.5);
+}
+
+TEST_CASE("time: float32 intervals hold what a device makes of time values, over moments and spans") {
+  const char* const bodies[] = {
+      "return length(p) - 0.5 - 0.1 * sin(t / 1000.0);",
+      "return sin(8.0 * p.x + 0.25 * t) + fract(p.y + t * 0.001);",
+      "return p.x - cos(p.y - (t / 7.0 - p.z));",
+      "int i = int(t) % 7; return p.x * float(i) + (mod(t, 2.0) < 1.0 ? p.y : p.z);",
+      "uint h = uint(t) * 2654435761u; return p.x + float(h >> 8) / 16777216.0 + float(int(h)) * 1e-9 * p.y;",
+      "return p.x * t + p.y;",
+      "bool late = t > 5000.0; return late ? p.x : p.y * 2.0;",
+      "float s = p.x; for (int i = 0; i < 5; ++i) s += 0.1 * sin(float(i) * p.y + 0.001 * t * float(i)); return s;",
+      "return sin(3.0 * (p.x + t)) + tan(0.1 * p.y) * cos(t + p.z);",
+  };
+  tests::Random random(5);
+  for (const char* body : bodies) {
+    CAPTURE(body);
+    const auto program = read_body(body);
+    const Snippet original = snippet(program);
+    for (int round = 0; round < 60; ++round) {
+      const double first = std::exp2(random.in(0.0, 36.0));
+      const double span = round % 2 == 0 ? 0.0 : std::exp2(random.in(-3.0, 14.0));
+      for (const double t : {first, first + 0.37 * span, first + span}) {
+        const auto emitted = read_back(original, t);
+        for (const glm::dvec3& p : points_of_cube(4)) {
+          const Interval bound = original.evaluate({p, p}, {first, first + span}, Rounding::float32);
+          const double device = evaluate_point<float>(emitted, {float(p.x), float(p.y), float(p.z), 0.0f}).f;
+          const double exact = original.evaluate(p, t).f;
+          CAPTURE(t);
+          CAPTURE(span);
+          CHECK_MESSAGE((bound.maybe_nan || (bound.lo <= device && device <= bound.hi)),
+                        fmt::format("device {} not in [{}, {}]", device, bound.lo, bound.hi));
+          CHECK_MESSAGE((bound.maybe_nan || (bound.lo <= exact && exact <= bound.hi)),
+                        fmt::format("{} not in [{}, {}]", exact, bound.lo, bound.hi));
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("time: float32 intervals stay narrow far into a run") {
+  for (const double t : {0.0, 3'600'000.25, 86'400'000.0, 31'536'000'000.0}) {
+    for (const char* body : {"return length(p) - 0.5 - 0.1 * sin(t / 1000.0);", "return sin(8.0 * p.x + 0.25 * t);",
+                             "return p.x + fract(p.y + t * 0.001);"}) {
+      CAPTURE(body);
+      CAPTURE(t);
+      const Interval bound =
+          snippet(read_body(body)).evaluate({glm::dvec3(0.3), glm::dvec3(0.3)}, {t, t}, Rounding::float32);
+      CHECK_FALSE(bound.maybe_nan);
+      CHECK(bound.hi - bound.lo < 1e-5);
+    }
+  }
 }
 
 namespace {
