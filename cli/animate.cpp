@@ -148,6 +148,7 @@ json make_manifest(const AnimateOptions& options, const Plan& plan, const runtim
           {"shader",
            {{"codegen", options.codegen.codegen},
             {"atlas", options.codegen.atlas},
+            {"filter", options.codegen.filter},
             {"disable", options.codegen.disabled_passes}}}};
 }
 

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <spirv-tools/libspirv.h>
 
+#include <cstring>
+
 #include "voml/image_file.h"
 
 namespace dmvv::cli {
@@ -14,10 +16,51 @@ std::string_view name_of(compiler::TexelFormat format) {
       return "r32f";
     case compiler::TexelFormat::r16f:
       return "r16f";
+    case compiler::TexelFormat::snorm16:
+      return "snorm16";
+    case compiler::TexelFormat::snorm8:
+      return "snorm8";
+    case compiler::TexelFormat::unorm8:
+      return "unorm8";
     case compiler::TexelFormat::rgba16f:
       return "rgba16f";
   }
   return "?";
+}
+
+std::string_view name_of(compiler::Codegen codegen) {
+  switch (codegen) {
+    case compiler::Codegen::specialised:
+      return "specialised";
+    case compiler::Codegen::table:
+      return "table";
+    case compiler::Codegen::thesis:
+      return "thesis";
+  }
+  return "?";
+}
+
+template <class T>
+std::vector<float> divided(std::span<const std::byte> bytes, float by) {
+  std::vector<T> values(bytes.size() / sizeof(T));
+  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+  std::vector<float> floats;
+  for (const T value : values) floats.push_back(static_cast<float>(value) / by);
+  return floats;
+}
+
+/// Empty for formats of floats.
+std::vector<float> normalised_texels(const compiler::Texture& texture) {
+  switch (texture.format) {
+    case compiler::TexelFormat::snorm16:
+      return divided<std::int16_t>(texture.texels, 32767.0f);
+    case compiler::TexelFormat::snorm8:
+      return divided<std::int8_t>(texture.texels, 127.0f);
+    case compiler::TexelFormat::unorm8:
+      return divided<std::uint8_t>(texture.texels, 255.0f);
+    default:
+      return {};
+  }
 }
 
 }  // namespace
@@ -35,9 +78,12 @@ Result<std::string> disassemble(std::span<const std::uint32_t> spirv) {
   return assembly;
 }
 
+/// EXR has no normalised formats: their texels are written as the floats that a shader reads.
 Result<void> write_texture(const std::string& path, const compiler::Texture& texture) {
   const bool is_rgba = texture.format == compiler::TexelFormat::rgba16f;
-  const SampleType type = texture.format == compiler::TexelFormat::r32f ? SampleType::f32 : SampleType::f16;
+  const std::vector<float> read = normalised_texels(texture);
+  const bool is_float = !read.empty() || texture.format == compiler::TexelFormat::r32f;
+  const SampleType type = is_float ? SampleType::f32 : SampleType::f16;
   return write_image(path, {.width = texture.extent.x,
                             .height = std::uint64_t{texture.extent.y} * texture.extent.z,
                             .channels = is_rgba ? std::vector<std::string>{"R", "G", "B", "A"} : std::vector<std::string>{"Y"},
@@ -45,7 +91,7 @@ Result<void> write_texture(const std::string& path, const compiler::Texture& tex
                             .given = type,
                             .straight_alpha = false,
                             .compression = "zip",
-                            .samples = texture.texels.data()});
+                            .samples = read.empty() ? static_cast<const void*>(texture.texels.data()) : read.data()});
 }
 
 std::string textures_text(const compiler::Program& program) {
@@ -76,7 +122,7 @@ std::string statistics_text(const compiler::Program& program) {
       "atlas_fill      {:.3f}\n"
       "glsl_lines      {}\n"
       "inlined_lines   {}\n",
-      program.codegen == compiler::Codegen::table ? "table" : "specialised", s.objects, s.sdfs, s.nodes, s.regions,
+      name_of(program.codegen), s.objects, s.sdfs, s.nodes, s.regions,
       s.candidates, s.seeds, s.depth, s.buffer_bytes, s.texture_bytes, s.atlas_fill, s.glsl_lines, s.inlined_lines);
   for (const std::string& object : s.object_codegen) result += fmt::format("object          {}\n", object);
   return result;

@@ -7,8 +7,35 @@
 
 namespace dmvv::cli {
 namespace {
+
 constexpr std::uint64_t max_file_bytes = std::uint64_t{4} << 30;
+
+template <class T>
+using Word = std::pair<std::string_view, T>;
+
+constexpr Word<compiler::Codegen> codegens[] = {{"specialised", compiler::Codegen::specialised},
+                                                {"table", compiler::Codegen::table},
+                                                {"thesis", compiler::Codegen::thesis}};
+constexpr Word<compiler::TexelFormat> atlas_formats[] = {{"r32f", compiler::TexelFormat::r32f},
+                                                         {"r16f", compiler::TexelFormat::r16f},
+                                                         {"snorm16", compiler::TexelFormat::snorm16},
+                                                         {"snorm8", compiler::TexelFormat::snorm8}};
+constexpr Word<compiler::Filter> filters[] = {{"hardware", compiler::Filter::hardware},
+                                              {"shader", compiler::Filter::shader},
+                                              {"tricubic", compiler::Filter::tricubic}};
+
+/// The value of a word; refuses a word that is not in the table.
+template <class T, std::size_t n>
+T choose(const Word<T> (&words)[n], const std::string& word, std::string_view option, std::string_view what) {
+  std::string known;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (words[i].first == word) return words[i].second;
+    known += fmt::format("{}{}", i == 0 ? "" : i + 1 < n ? ", " : " or ", words[i].first);
+  }
+  fail_usage(fmt::format("{}: unknown {} '{}'", option, what, word), {"use " + known});
 }
+
+}  // namespace
 
 void add_common_options(CLI::App& command, Context& context) {
   command.add_flag("--quiet", context.quiet, "Print errors and results only");
@@ -34,9 +61,16 @@ void add_device_options(CLI::App& command, DeviceChoice& choice) {
 }
 
 void add_codegen_options(CLI::App& command, CodegenChoice& choice) {
-  command.add_option("--codegen", choice.codegen, "Shader form: specialised (default) or table")->type_name("FORM");
-  command.add_option("--atlas", choice.atlas, "Texels of the distance atlas: r32f (default) or r16f")
+  command
+      .add_option("--codegen", choice.codegen,
+                  "Shader form: specialised (default), table, or thesis (with the errors of the published program)")
+      ->type_name("FORM");
+  command.add_option("--atlas", choice.atlas, "Texels of the distance atlas: r32f (default), r16f, snorm16 or snorm8")
       ->type_name("FORMAT");
+  command
+      .add_option("--filter", choice.filter,
+                  "Distances between samples: hardware (default; trilinear), shader (trilinear in float32), tricubic")
+      ->type_name("FILTER");
   command.add_option("--disable", choice.disabled_passes, "Switch a compiler pass off (repeatable)")
       ->type_name("PASS")
       ->allow_extra_args(false);
@@ -53,18 +87,15 @@ void add_time_option(CLI::App& command, double& time_ms) {
 
 compiler::CompileOptions compile_options(const CodegenChoice& choice) {
   compiler::CompileOptions options;
-  if (choice.codegen == "thesis") {
-    fail_usage("--codegen thesis comes with the benchmark, which this version does not have",
-               {"use specialised or table"});
+  options.codegen = choose(codegens, choice.codegen, "--codegen", "form");
+  options.atlas_format = choose(atlas_formats, choice.atlas, "--atlas", "format");
+  options.filter = choose(filters, choice.filter, "--filter", "filter");
+  const compiler::CompileOptions plain;
+  const bool own_storage = options.atlas_format != plain.atlas_format || options.filter != plain.filter;
+  if (options.codegen == compiler::Codegen::thesis && (own_storage || !choice.disabled_passes.empty())) {
+    fail_usage("--codegen thesis has its own atlas and filter, and no passes",
+               {"leave --atlas, --filter and --disable away"});
   }
-  if (choice.codegen != "specialised" && choice.codegen != "table") {
-    fail_usage(fmt::format("--codegen: unknown form '{}'", choice.codegen), {"use specialised or table"});
-  }
-  if (choice.atlas != "r32f" && choice.atlas != "r16f") {
-    fail_usage(fmt::format("--atlas: unknown format '{}'", choice.atlas), {"use r32f or r16f"});
-  }
-  options.codegen = choice.codegen == "table" ? compiler::Codegen::table : compiler::Codegen::specialised;
-  options.atlas_format = choice.atlas == "r16f" ? compiler::TexelFormat::r16f : compiler::TexelFormat::r32f;
 
   const auto& passes = compiler::pass_names();
   for (const std::string& name : choice.disabled_passes) {

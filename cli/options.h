@@ -32,6 +32,7 @@ struct DeviceChoice {
 struct CodegenChoice {
   std::string codegen = "specialised";
   std::string atlas = "r32f";
+  std::string filter = "hardware";
   std::vector<std::string> disabled_passes;
 };
 
@@ -42,7 +43,7 @@ void add_scene_options(CLI::App& command, SceneOptions& options);
 void add_root_and_strict(CLI::App& command, SceneOptions& options);
 /// --device, --validation, --no-cache.
 void add_device_options(CLI::App& command, DeviceChoice& choice);
-/// --codegen, --atlas, --disable.
+/// --codegen, --atlas, --filter, --disable.
 void add_codegen_options(CLI::App& command, CodegenChoice& choice);
 /// --time, a finite number of milliseconds.
 void add_time_option(CLI::App& command, double& time_ms);

@@ -95,7 +95,9 @@ int probe_reference(const ProbeOptions& options, std::span<const glm::dvec3> poi
   const compiler::Module module = lower(read_scene(options.scene, context, diagnostics), context, diagnostics);
   if (!compiler::can_evaluate(module, diagnostics)) stop_with(diagnostics, context);
   print_diagnostics(diagnostics, context);
-  const compiler::Reference reference(module);
+  compiler::Reference::Options reading;
+  reading.filter = compile_options(options.codegen).filter;
+  const compiler::Reference reference(module, reading);
   std::vector<compiler::PointAnswer> answers;
   answers.reserve(points.size());
   for (const glm::dvec3& p : points) answers.push_back(reference.evaluate(p, options.time_ms));

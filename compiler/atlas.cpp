@@ -13,6 +13,7 @@
 #include <set>
 #include <tuple>
 
+#include "compiler/texels.h"
 #include "shaders/records.h"
 
 namespace dmvv::compiler {
@@ -100,21 +101,11 @@ std::optional<Packing> pack_boxes(std::span<const glm::uvec3> sizes, std::uint32
   return packing;
 }
 
-std::size_t bytes_per_texel(TexelFormat format) {
-  switch (format) {
-    case TexelFormat::r32f: return 4;
-    case TexelFormat::r16f: return 2;
-    case TexelFormat::rgba16f: return 8;
-  }
-  return 0;
-}
-
 namespace {
 
-constexpr std::uint32_t border = 1;
-
-std::optional<Atlas> arrange(std::span<const glm::uvec3> interiors, TexelFormat format, std::uint32_t max_extent,
-                             std::string_view what, const std::string& largest, Diagnostics& diagnostics) {
+std::optional<Atlas> arrange(std::span<const glm::uvec3> interiors, TexelFormat format, std::uint32_t border,
+                             std::uint32_t max_extent, std::string_view what, const std::string& largest,
+                             Diagnostics& diagnostics) {
   std::vector<glm::uvec3> sizes;
   for (const glm::uvec3& interior : interiors) sizes.push_back(interior + 2 * border);
   const auto packing = pack_boxes(sizes, max_extent);
@@ -131,23 +122,25 @@ std::optional<Atlas> arrange(std::span<const glm::uvec3> interiors, TexelFormat 
   atlas.texture.texels.resize(volume(packing->extent) * bytes_per_texel(format));
   const std::uint64_t texels = volume(packing->extent);
   atlas.fill = texels == 0 ? 0.0 : static_cast<double>(packing->used) / static_cast<double>(texels);
+  atlas.border = border;
   for (const glm::uvec3& position : packing->positions) atlas.slots.push_back(position + border);
   return atlas;
 }
 
 /// Copies n interior texels and their border into the atlas row by row: texel(x, y, z) gives the bytes of an interior
-/// texel, `fold` maps a border coordinate (-1 or n) to the interior one that it repeats.
+/// texel, `fold` maps a border coordinate (below 0, or n and beyond) to the interior one that it repeats.
 template <class Texel, class Fold>
 void fill_slot(Atlas& atlas, const glm::uvec3& slot, const glm::uvec3& size, Fold&& fold, Texel&& texel) {
   const std::size_t stride = bytes_per_texel(atlas.texture.format);
   const glm::uvec3 extent = atlas.texture.extent;
   const glm::ivec3 n(size);
-  for (int z = -1; z <= n.z; ++z) {
-    for (int y = -1; y <= n.y; ++y) {
-      const std::size_t row = ((slot.z + z) * std::size_t{extent.y} + (slot.y + y)) * extent.x + slot.x - 1;
+  const int border = static_cast<int>(atlas.border);
+  for (int z = -border; z < n.z + border; ++z) {
+    for (int y = -border; y < n.y + border; ++y) {
+      const std::size_t row = ((slot.z + z) * std::size_t{extent.y} + (slot.y + y)) * extent.x + slot.x - atlas.border;
       std::byte* out = atlas.texture.texels.data() + row * stride;
       const int iy = fold(y, n.y), iz = fold(z, n.z);
-      for (int x = -1; x <= n.x; ++x, out += stride) texel(fold(x, n.x), iy, iz, out);
+      for (int x = -border; x < n.x + border; ++x, out += stride) texel(fold(x, n.x), iy, iz, out);
     }
   }
 }
@@ -167,33 +160,32 @@ std::string largest_path(std::span<const Asset> assets, Size&& size) {
   return largest == assets.end() ? std::string() : largest->path;
 }
 
-constexpr float largest_half = 65504.0f;
-
 }  // namespace
 
-std::optional<Atlas> pack_atlas(std::span<const voml::Grid> grids, TexelFormat format, std::uint32_t max_extent,
-                                Diagnostics& diagnostics) {
+std::optional<Atlas> pack_atlas(std::span<const voml::Grid> grids, const GridStorage& storage,
+                                std::uint32_t max_extent, Diagnostics& diagnostics) {
+  const TexelFormat format = storage.format;
   std::vector<glm::uvec3> sizes;
   for (const voml::Grid& grid : grids) sizes.push_back(grid.size);
   const std::string largest = largest_path(grids, [](const voml::Grid& grid) { return volume(grid.size); });
-  auto atlas = arrange(sizes, format, max_extent, "distance grids", largest, diagnostics);
+  const std::uint32_t border = storage.filter == Filter::tricubic ? 2 : 1;
+  auto atlas = arrange(sizes, format, border, max_extent, "distance grids", largest, diagnostics);
   if (!atlas) return std::nullopt;
   atlas->texture.name = "grid_atlas";
   atlas->texture.binding = DMVV_BIND_GRID_ATLAS;
+  atlas->texture.filtered = storage.filter == Filter::hardware;
+  atlas->filter = storage.filter;
+  atlas->scales = storage.scales;
+  atlas->scales.resize(grids.size(), 1.0);
   for (std::size_t i = 0; i < grids.size(); ++i) {
     const voml::Grid& grid = grids[i];
     const auto value = [&](int x, int y, int z) {
       return grid.values[(std::size_t{grid.size.y} * z + y) * grid.size.x + x];
     };
-    if (format == TexelFormat::r32f) {
-      fill_slot(*atlas, atlas->slots[i], grid.size, clamp_fold,
-                [&](int x, int y, int z, std::byte* out) { store(out, value(x, y, z)); });
-    } else {
-      // Beyond half precision's range only the sign matters: the sample is far from any surface.
-      fill_slot(*atlas, atlas->slots[i], grid.size, clamp_fold, [&](int x, int y, int z, std::byte* out) {
-        store(out, glm::packHalf1x16(std::clamp(value(x, y, z), -largest_half, largest_half)));
-      });
-    }
+    const double scale = atlas->scales[i];
+    fill_slot(*atlas, atlas->slots[i], grid.size, clamp_fold, [&](int x, int y, int z, std::byte* out) {
+      store_texel(value(x, y, z), format, scale, out);
+    });
   }
   return atlas;
 }
@@ -203,7 +195,7 @@ std::optional<Atlas> pack_bitmaps(std::span<const voml::Bitmap> bitmaps, std::ui
   std::vector<glm::uvec3> sizes;
   for (const voml::Bitmap& bitmap : bitmaps) sizes.push_back(glm::uvec3(bitmap.n));
   const std::string largest = largest_path(bitmaps, [](const voml::Bitmap& bitmap) { return bitmap.n; });
-  auto atlas = arrange(sizes, TexelFormat::rgba16f, max_extent, "bitmaps", largest, diagnostics);
+  auto atlas = arrange(sizes, TexelFormat::rgba16f, 1, max_extent, "bitmaps", largest, diagnostics);
   if (!atlas) return std::nullopt;
   atlas->texture.name = "bitmap_atlas";
   atlas->texture.binding = DMVV_BIND_BITMAP_ATLAS;

@@ -28,19 +28,29 @@ struct Packing {
 /// Source: Crainic, Perboli, Tadei 2008, "Extreme point-based heuristics for three-dimensional bin packing".
 std::optional<Packing> pack_boxes(std::span<const glm::uvec3> sizes, std::uint32_t max_extent);
 
-/// A packed texture. Slots give the first texel of the interior; a border of one texel lies around it.
+/// A packed texture. Slots give the first texel of the interior; a border lies around it.
 struct Atlas {
   Texture texture;
   std::vector<glm::uvec3> slots;
+  std::vector<double> scales;  ///< of distance grids: value = texel * scale
+  Filter filter = Filter::hardware;
+  std::uint32_t border = 1;  ///< texels
   double fill = 0.0;  ///< share of the texture that holds samples or borders
+};
+
+/// How the samples of distance grids are stored.
+struct GridStorage {
+  TexelFormat format = TexelFormat::r32f;
+  Filter filter = Filter::hardware;  ///< tricubic needs a border of two texels, the others one
+  std::vector<double> scales{};      ///< texel_scales of the grids; none: all 1
 };
 
 /// Packs the grids' samples, each with a border that repeats its outer samples (sampling clamps).
 ///
 /// Errors: E0303 the packed extent exceeds max_extent (names the largest grid).
 /// Source: thesis section 4.3.2; Wang et al. 2011 use 3D bin packing.
-std::optional<Atlas> pack_atlas(std::span<const voml::Grid> grids, TexelFormat format, std::uint32_t max_extent,
-                                Diagnostics& diagnostics);
+std::optional<Atlas> pack_atlas(std::span<const voml::Grid> grids, const GridStorage& storage,
+                                std::uint32_t max_extent, Diagnostics& diagnostics);
 
 /// Packs bitmaps as rgba16f (8-bit values are exact in it to 1/8 of a step; lavapipe filters 8-bit textures with
 /// coarse weights), each with a border of its opposite side (sampling wraps around).

@@ -10,6 +10,8 @@
 #include "compiler/generate_glsl.h"
 #include "compiler/passes.h"
 #include "compiler/reference.h"
+#include "compiler/texels.h"
+#include "compiler/thesis.h"
 
 namespace dmvv::compiler {
 
@@ -21,10 +23,8 @@ bool enabled(const CompileOptions& options, std::string_view pass) {
   return std::find(options.disabled_passes.begin(), options.disabled_passes.end(), pass) == options.disabled_passes.end();
 }
 
-void run_passes(Module& module, const CompileOptions& options) {
-  if (enabled(options, "merge-assets")) merge_assets(module);
-  if (enabled(options, "prune-sides")) prune_sides(module);
-  if (enabled(options, "drop-unreachable")) drop_unreachable(module);
+GridStorage grid_storage(const Module& module, const CompileOptions& options) {
+  return {options.atlas_format, options.filter, texel_scales(module, options.atlas_format, options.filter)};
 }
 
 template <class T>
@@ -90,6 +90,13 @@ const std::vector<PassInfo>& pass_names() {
   return passes;
 }
 
+void run_passes(Module& module, const CompileOptions& options) {
+  if (options.codegen == Codegen::thesis) return;
+  if (enabled(options, "merge-assets")) merge_assets(module);
+  if (enabled(options, "prune-sides")) prune_sides(module);
+  if (enabled(options, "drop-unreachable")) drop_unreachable(module);
+}
+
 std::vector<float> time_values(std::span<const TimeFunction> functions, double time_ms) {
   std::vector<float> values;
   for (const TimeFunction& function : functions) {
@@ -115,10 +122,14 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   program.regions = legend(module);
   program.depth = module.depth;
 
-  auto grid_atlas = pack_atlas(module.grids, options.atlas_format, options.max_extent_3d, diagnostics);
+  const bool thesis = options.codegen == Codegen::thesis;
+  auto grid_atlas = thesis ? pack_thesis_atlas(module.grids, options.max_extent_3d, diagnostics)
+                           : pack_atlas(module.grids, grid_storage(module, options), options.max_extent_3d, diagnostics);
   auto bitmap_atlas = pack_bitmaps(module.bitmaps, options.max_extent_3d, diagnostics);
   if (!grid_atlas || !bitmap_atlas) return std::nullopt;
-  const Records records = flatten(module, *grid_atlas, *bitmap_atlas, enabled(options, "index"));
+  if (thesis && !fits_thesis(module, diagnostics)) return std::nullopt;
+  const Records records = thesis ? flatten_thesis(module, *grid_atlas, *bitmap_atlas)
+                                 : flatten(module, *grid_atlas, *bitmap_atlas, enabled(options, "index"));
 
   const GlslOptions glsl_options{options.codegen, options.inlined_line_budget, enabled(options, "fold-affine"),
                                  enabled(options, "box-tests")};

@@ -15,7 +15,8 @@ namespace dmvv::compiler {
 
 struct CompileOptions {
   Codegen codegen = Codegen::specialised;
-  TexelFormat atlas_format = TexelFormat::r32f;  ///< of distance grids: r32f or r16f
+  TexelFormat atlas_format = TexelFormat::r32f;  ///< of distance grids: r32f, r16f, snorm16 or snorm8; not for thesis
+  Filter filter = Filter::hardware;              ///< of distance grids; not for thesis
   std::uint32_t max_extent_3d = 2048;            ///< of the device that will run the program
   std::uint64_t max_storage_buffer = 128u << 20;
   std::uint32_t inlined_line_budget = 1000;      ///< beyond it, specialised code hands objects over to the generic walker
@@ -33,8 +34,13 @@ const std::vector<PassInfo>& pass_names();
 /// Errors: E0304 embedding deeper than 256 levels.
 bool can_evaluate(const Module& module, Diagnostics& diagnostics);
 
+/// The module that `compile` generates code for: with the passes that are not disabled behind it. None for
+/// Codegen::thesis.
+void run_passes(Module& module, const CompileOptions& options);
+
 /// Runs the passes and generates records, textures and GLSL; no SPIR-V yet.
-/// Errors: those of can_evaluate; E0303 an atlas, E0302 a buffer exceeds the device's limits; then the result is empty.
+/// Errors: those of can_evaluate; E0303 an atlas, E0302 a buffer exceeds the device's limits; E0305 for Codegen::thesis
+/// one of its fixed buffers is too small; then the result is empty.
 /// Cost: linear in the scene, except index building (cells) and atlas packing (grids squared).
 std::optional<Program> compile(Module module, const CompileOptions& options, Diagnostics& diagnostics);
 

@@ -46,8 +46,8 @@ class Flattening {
     record.box_lo = vec(box.lo, sdf.iso);
     record.box_hi = vec(box.hi);
     if (const auto* grid = std::get_if<Id<voml::Grid>>(&sdf.source)) {
-      const Affine atlas =
-          atlas_from_local(at(module_.grids, *grid), grid_atlas_.slots[grid->index], grid_atlas_.texture.extent);
+      const Affine atlas = lookup_from_local(at(module_.grids, *grid), *grid, grid_atlas_);
+      record.box_lo.w = static_cast<float>(sdf.iso / grid_atlas_.scales[grid->index]);
       record.atlas_scale = vec({atlas.linear[0][0], atlas.linear[1][1], atlas.linear[2][2]});
       record.atlas_offset = vec(atlas.translation);
       record.function = DMVV_NO_FUNCTION;
@@ -137,6 +137,14 @@ Affine atlas_from_local(const voml::Grid& grid, const glm::uvec3& slot, const gl
   const glm::dvec3 scale = texels_per_unit / glm::dvec3(atlas_extent);
   const glm::dvec3 offset = (glm::dvec3(slot) - grid.box_lo * texels_per_unit) / glm::dvec3(atlas_extent);
   return {glm::dmat3(scale.x, 0, 0, 0, scale.y, 0, 0, 0, scale.z), offset};
+}
+
+Affine lookup_from_local(const voml::Grid& grid, Id<voml::Grid> id, const Atlas& atlas) {
+  const glm::uvec3& slot = atlas.slots[id.index];
+  if (atlas.filter == Filter::hardware) return atlas_from_local(grid, slot, atlas.texture.extent);
+  Affine texels = atlas_from_local(grid, slot, glm::uvec3(1));
+  texels.translation -= 0.5;
+  return texels;
 }
 
 std::vector<PlacedBox> placed_boxes(const Sdf& sdf, const Module& module) {

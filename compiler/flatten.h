@@ -40,6 +40,9 @@ LocalBox local_box(const Sdf& sdf, const Module& module);
 
 /// Atlas coordinates (normalised) of a grid's local points.
 Affine atlas_from_local(const voml::Grid& grid, const glm::uvec3& slot, const glm::uvec3& atlas_extent);
+/// Where the atlas's filter looks a grid's local points up: normalised coordinates for the texture unit, else texels,
+/// whose centres are whole numbers.
+Affine lookup_from_local(const voml::Grid& grid, Id<voml::Grid> id, const Atlas& atlas);
 
 gpu::AffineRows rows(const Affine& affine);
 

@@ -27,6 +27,8 @@ constexpr std::uint32_t lines_of_decision = 8;
 constexpr std::uint32_t lines_of_seeded_decision = 22;
 constexpr std::uint32_t lines_of_group = 26;
 constexpr std::uint32_t lines_of_walker = 110;
+constexpr std::uint32_t lines_of_trilinear = 16;  // of a filter in the shader, in place of one texture lookup
+constexpr std::uint32_t lines_of_tricubic = 90;
 constexpr std::uint32_t most_lines = 1u << 24;  // sums saturate here: shared subtrees can count exponentially
 constexpr std::size_t most_constant_regions = 24;
 
@@ -93,6 +95,8 @@ class Generator {
       : module_(module), records_(records), grid_atlas_(grid_atlas), options_(options) {}
 
   Evaluation run() {
+    out_.codegen = options_.codegen;
+    out_.filter = grid_atlas_.filter;
     emit_functions();
     collect_objects();
     choose_cuts();
@@ -186,7 +190,7 @@ class Generator {
     std::vector<Id<Region>> regions;  ///< different ones, in the order of the tree
     std::uint32_t decisions = 0;      ///< of the tree written out, shared subtrees repeated
     std::uint32_t seeded = 0;         ///< of these
-    std::uint32_t snippet_lines = 0;  ///< of the analytic ones
+    std::uint32_t source_lines = 0;   ///< of snippets and filters
   };
 
   void collect_objects() {
@@ -214,7 +218,7 @@ class Generator {
       const auto& decision = std::get<Decision>(at(module_.nodes, node).content);
       ++parts.decisions;
       if (at(module_.sdfs, decision.sdf).placement == voml::Placement::seeded) ++parts.seeded;
-      parts.snippet_lines = saturating_add(parts.snippet_lines, snippet_lines(decision.sdf));
+      parts.source_lines = saturating_add(parts.source_lines, source_lines(decision.sdf));
       if (sdfs.insert(decision.sdf).second) parts.sdfs.push_back(decision.sdf);
       pending.push_back(decision.negative);
       pending.push_back(decision.positive);
@@ -222,9 +226,15 @@ class Generator {
     return parts;
   }
 
-  std::uint32_t snippet_lines(Id<Sdf> sdf) const {
+  /// Of an SDF's source, beyond one texture lookup.
+  std::uint32_t source_lines(Id<Sdf> sdf) const {
     const auto* function = std::get_if<Id<Function>>(&at(module_.sdfs, sdf).source);
-    return function ? function_lines_[function->index] : 0;
+    return function ? function_lines_[function->index] : filter_lines();
+  }
+
+  std::uint32_t filter_lines() const {
+    if (module_.grids.empty() || grid_atlas_.filter == Filter::hardware) return 0;
+    return grid_atlas_.filter == Filter::shader ? lines_of_trilinear : lines_of_tricubic;
   }
 
   static std::vector<Id<Object>> called_objects(const CandidateGroup& group) {
@@ -239,7 +249,7 @@ class Generator {
 
   std::uint32_t own_lines(std::size_t object) const {
     const ObjectParts& parts = parts_[object];
-    std::uint64_t lines = 4 + std::uint64_t{parts.snippet_lines};
+    std::uint64_t lines = 4 + std::uint64_t{parts.source_lines};
     lines += std::uint64_t{parts.decisions - parts.seeded} * lines_of_decision;
     lines += std::uint64_t{parts.seeded} * lines_of_seeded_decision;
     for (const Id<Region> region : parts.regions) lines += at(module_.regions, region).groups.size() * lines_of_group;
@@ -250,7 +260,7 @@ class Generator {
   std::vector<std::uint32_t> all_inlined_lines(const std::vector<bool>& cut) const {
     std::vector<std::uint32_t> lines(module_.objects.size());
     const std::uint32_t walker_lines = saturating_add(
-        lines_of_walker, std::accumulate(function_lines_.begin(), function_lines_.end(), std::uint64_t{0}));
+        lines_of_walker + filter_lines(), std::accumulate(function_lines_.begin(), function_lines_.end(), std::uint64_t{0}));
     for (std::size_t i = module_.objects.size(); i-- > 0;) {
       if (cut[i]) {
         lines[i] = walker_lines;
@@ -276,7 +286,7 @@ class Generator {
   /// Cuts as little as meets the budget: among the cuts that suffice the one that keeps most specialised code, else the
   /// one that saves most, and so on; at last the root.
   void choose_cuts() {
-    cut_.assign(module_.objects.size(), options_.codegen == Codegen::table);
+    cut_.assign(module_.objects.size(), options_.codegen != Codegen::specialised);
     const std::size_t root = module_.root.index;
     while (!cut_[root]) {
       const std::uint32_t now = all_inlined_lines(cut_)[root];
@@ -318,6 +328,8 @@ class Generator {
       const std::string& name = module_.objects[i].name;
       if (options_.codegen == Codegen::table) {
         out_.object_codegen.push_back(name + ": table");
+      } else if (options_.codegen == Codegen::thesis) {
+        out_.object_codegen.push_back(name + ": thesis");
       } else if (cut_[i]) {
         out_.object_codegen.push_back(
             fmt::format("{}: table, specialised code would exceed {} lines", name, options_.inlined_line_budget));
@@ -342,10 +354,11 @@ class Generator {
     const auto grid_id = std::get<Id<voml::Grid>>(sdf.source);
     const voml::Grid& grid = at(module_.grids, grid_id);
     out_.uses.grid_atlas = true;
-    const Affine atlas = atlas_from_local(grid, grid_atlas_.slots[grid_id.index], grid_atlas_.texture.extent);
-    const Affine lookup = constant ? atlas * *constant : atlas;
-    return fmt::format("textureLod(grid_atlas, {}, 0.0).r <= {}", affine_expression(lookup, q, options_.fold_affine),
-                       glsl_float(static_cast<float>(sdf.iso)));
+    const Affine atlas = lookup_from_local(grid, grid_id, grid_atlas_);
+    const std::string at = affine_expression(constant ? atlas * *constant : atlas, q, options_.fold_affine);
+    const std::string iso = glsl_float(static_cast<float>(sdf.iso / grid_atlas_.scales[grid_id.index]));
+    if (grid_atlas_.filter != Filter::hardware) return fmt::format("sample_grid({}) <= {}", at, iso);
+    return fmt::format("textureLod(grid_atlas, {}, 0.0).r <= {}", at, iso);
   }
 
   std::string box_test(const LocalBox& box, const std::string& q) const {
@@ -657,17 +670,21 @@ Evaluation generate_evaluation(const Module& module, const Records& records, con
 
 std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Kernel kernel) {
   const Uses& uses = evaluation.uses;
+  const bool own_filter = uses.grid_atlas && evaluation.filter != Filter::hardware;
   std::string text = "#version 460\n";
   text += fmt::format("#define DMVV_DEPTH {}\n", depth);
   if (kernel == Kernel::points) text += "#define DMVV_PATHS\n";
   if (uses.lists) text += "#define DMVV_LISTS\n";
   if (uses.grid_atlas) text += "#define DMVV_GRIDS\n";
+  if (own_filter) text += "#define DMVV_FILTER\n";
+  if (own_filter && evaluation.filter == Filter::tricubic) text += "#define DMVV_TRICUBIC\n";
   if (!evaluation.functions.empty()) text += "#define DMVV_FUNCTIONS\n";
   text += shader_text::records;
   text += bindings(uses);
   text += shader_text::evaluate;
+  if (own_filter) text += shader_text::filter;
   text += evaluation.functions;
-  if (uses.walker) text += shader_text::walk;
+  if (uses.walker) text += evaluation.codegen == Codegen::thesis ? shader_text::walk_thesis : shader_text::walk;
   text += "\n// ---- the scene ----\n";
   text += evaluation.glsl;
   text += kernel == Kernel::points ? shader_text::points : shader_text::pixels;

@@ -34,6 +34,8 @@ struct Evaluation {
   std::vector<TimeFunction> time_functions;
   Uses uses;
   std::uint32_t inlined_lines = 0;
+  Codegen codegen = Codegen::specialised;
+  Filter filter = Filter::hardware;
   std::vector<std::string> object_codegen;  ///< a line an object: which form it got, and why
 };
 
@@ -42,7 +44,7 @@ struct Evaluation {
 /// Specialised: every object becomes a function of nested branches with constant matrices; a run of candidates becomes
 /// one loop with one call for each different object. Drivers inline every call, so the inlined size is estimated, and
 /// beyond the budget objects are cut: they are walked over the records (shaders/walk.glsl).
-/// Table: the root is cut.
+/// Table: the root is cut. Thesis: likewise, and walked by shaders/walk_thesis.glsl over records of compiler/thesis.h.
 Evaluation generate_evaluation(const Module& module, const Records& records, const Atlas& grid_atlas,
                                const GlslOptions& options);
 

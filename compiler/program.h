@@ -16,6 +16,7 @@ namespace dmvv::compiler {
 enum class Codegen : std::uint8_t {
   specialised,  ///< the scene is the program
   table,        ///< records and one generic loop, as the thesis does it
+  thesis,       ///< table with the errors of the published implementation (spec/thesis.md): for comparisons only
 };
 
 /// The entry points of a program; each is a compute shader of its own (interfaces: shaders/points.comp, pixels.comp).
@@ -25,8 +26,23 @@ enum class Kernel : std::uint8_t {
 };
 inline constexpr std::size_t kernel_count = 2;
 
-enum class TexelFormat : std::uint8_t { r32f, r16f, rgba16f };
+/// Normalised formats hold value / scale, one scale a grid (compiler/texels.h).
+enum class TexelFormat : std::uint8_t {
+  r32f,
+  r16f,
+  snorm16,
+  snorm8,
+  unorm8,   ///< of Codegen::thesis alone
+  rgba16f,  ///< of bitmaps
+};
 std::size_t bytes_per_texel(TexelFormat format);
+
+/// How a value between the samples of a distance grid is found.
+enum class Filter : std::uint8_t {
+  hardware,  ///< trilinear, by the texture unit and with its weights (some have only 8 bits of them)
+  shader,    ///< trilinear, 8 fetches and float32 weights
+  tricubic,  ///< Catmull-Rom, 64 fetches: keeps the samples, smooth where trilinear has edges
+};
 
 /// A storage buffer of descriptor set 0.
 struct Buffer {
@@ -41,6 +57,7 @@ struct Texture {
   std::uint32_t binding;
   glm::uvec3 extent;
   TexelFormat format;
+  bool filtered = true;           ///< false: the shader fetches texels, the device need not filter the format
   std::vector<std::byte> texels;  ///< x fastest; extent.x * extent.y * extent.z * bytes_per_texel
 };
 

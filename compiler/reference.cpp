@@ -8,6 +8,7 @@
 
 #include "compiler/flatten.h"
 #include "compiler/lookup.h"
+#include "compiler/texels.h"
 
 namespace dmvv::compiler {
 
@@ -125,9 +126,47 @@ double sample(const voml::Grid& grid, const glm::dvec3& q) {
   return glm::mix(glm::mix(v00, v10, w.y), glm::mix(v01, v11, w.y), w.z);
 }
 
+namespace {
+
+/// Weights of the samples at -1, 0, 1, 2 for a point between 0 and 1.
+glm::dvec4 catmull_rom(double t) {
+  return 0.5 * glm::dvec4(t * (t * (2.0 - t) - 1.0), 2.0 + t * t * (3.0 * t - 5.0), t * (1.0 + t * (4.0 - 3.0 * t)),
+                          t * t * (t - 1.0));
+}
+
+// Bounds for Catmull-Rom weights (spec/accuracy.md). Along an axis, the derivative is a sum of differences of
+// neighbours whose weights' magnitudes sum to 3/2 at most, the weights' own magnitudes to 5/4 along the two others.
+constexpr double tricubic_slope = 1.5 * 1.25 * 1.25;
+// Weights good to 8u, four products and three sums: 40u of the largest sample at each of three levels, magnified 5/4
+// times by the levels above.
+constexpr double tricubic_roundings = 256.0;
+
+}  // namespace
+
+double sample_tricubic(const voml::Grid& grid, const glm::dvec3& q) {
+  const glm::dvec3 c = (q - grid.box_lo) / (grid.box_hi - grid.box_lo) * glm::dvec3(grid.size) - 0.5;
+  const glm::dvec3 base = glm::floor(c);
+  const glm::dvec3 t = c - base;
+  const glm::dvec4 weights[3] = {catmull_rom(t.x), catmull_rom(t.y), catmull_rom(t.z)};
+  const glm::ivec3 first = glm::ivec3(base) - 1;
+  const glm::ivec3 last = glm::ivec3(grid.size) - 1;
+  double sum = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    for (int j = 0; j < 4; ++j) {
+      for (int i = 0; i < 4; ++i) {
+        const glm::uvec3 at(glm::clamp(first + glm::ivec3(i, j, k), glm::ivec3(0), last));
+        const double value = grid.values[(std::size_t{at.z} * grid.size.y + at.y) * grid.size.x + at.x];
+        sum += weights[0][i] * weights[1][j] * weights[2][k] * value;
+      }
+    }
+  }
+  return sum;
+}
+
 struct Reference::Impl {
   const Module& module;
   Options options;
+  std::vector<voml::Grid> stored;                         // of each grid, unless the format keeps all values
   std::vector<GridBounds> grid_bounds;
   std::vector<glm::dvec3> bitmap_slopes;
   double bitmap_atlas_texels = 0.0;  // no side of the bitmaps' atlas is longer
@@ -136,7 +175,13 @@ struct Reference::Impl {
   std::vector<std::vector<std::optional<Lookup>>> groups;  // of each region and group
 
   Impl(const Module& m, Options o) : module(m), options(o) {
-    for (const voml::Grid& grid : module.grids) grid_bounds.push_back(measure(grid));
+    if (options.format != TexelFormat::r32f) {
+      const std::vector<double> scales = texel_scales(module, options.format, options.filter);
+      for (std::size_t i = 0; i < scales.size(); ++i) {
+        stored.push_back(as_stored(module.grids[i], options.format, scales[i]));
+      }
+    }
+    for (std::uint32_t i = 0; i < module.grids.size(); ++i) grid_bounds.push_back(measure(grid_of({i})));
     for (const voml::Bitmap& bitmap : module.bitmaps) {
       bitmap_slopes.push_back(measure(bitmap));
       bitmap_atlas_texels += bitmap.n + 2.0;
@@ -155,6 +200,8 @@ struct Reference::Impl {
       }
     }
   }
+
+  const voml::Grid& grid_of(Id<voml::Grid> id) const { return at(stored.empty() ? module.grids : stored, id); }
 
   bool indexed(std::size_t count) const { return options.use_index && count >= shortest_indexed_list; }
 
@@ -181,14 +228,17 @@ struct Reference::Impl {
   }
 
   Tested grid_below(Id<voml::Grid> id, const Approximate& q, double iso) const {
-    const voml::Grid& grid = at(module.grids, id);
-    const double value = sample(grid, q.p);
+    const voml::Grid& grid = grid_of(id);
+    const bool tricubic = options.filter == Filter::tricubic;
+    const double value = tricubic ? sample_tricubic(grid, q.p) : sample(grid, q.p);
     const glm::dvec3 texels_per_unit = glm::dvec3(grid.size) / (grid.box_hi - grid.box_lo);
     // The atlas coordinate takes a product and a sum, the sampler scales it up and subtracts a half.
     const glm::dvec3 texel_error = q.error * texels_per_unit + 6.0 * float_unit * atlas_texels;
     const GridBounds& bounds = grid_bounds[id.index];
-    const double error =
-        glm::dot(texel_error, bounds.slope) + 8.0 * float_unit * (bounds.magnitude + std::abs(iso)) + 1e-30;
+    // A normalised texel is converted by the device, and compared with iso / scale.
+    const double roundings = (tricubic ? tricubic_roundings : 8.0) + (is_normalised(options.format) ? 4.0 : 0.0);
+    const double error = glm::dot(texel_error, bounds.slope) * (tricubic ? tricubic_slope : 1.0) +
+                         roundings * float_unit * (bounds.magnitude + std::abs(iso)) + 1e-30;
     return {value <= iso, std::abs(value - iso) > error};
   }
 

@@ -21,6 +21,10 @@ class Reference {
  public:
   struct Options {
     bool use_index = true;  ///< lookup grids for long lists of seeds and candidates; never changes an answer
+    /// Samples are read as this format stores them. What normalised formats store depends on all users of a grid: give
+    /// the module after run_passes, as `compile` stores it.
+    TexelFormat format = TexelFormat::r32f;
+    Filter filter = Filter::hardware;        ///< trilinear, or tricubic
   };
 
   /// Keeps a reference to `module`, which must outlive it. Cost: building the lookup grids.
@@ -39,6 +43,11 @@ class Reference {
 
 /// Trilinear sample of a grid at a point of the standard cube, cell-centred, clamped to the outer centres.
 double sample(const voml::Grid& grid, const glm::dvec3& q);
+
+/// Catmull-Rom (tricubic, 64 samples) at a point of the grid's box, cell-centred; beyond the edge the outer samples
+/// repeat. Equal to the samples at their centres, once continuously differentiable.
+/// Source: Keys 1981, "Cubic convolution interpolation for digital image processing", a = -1/2.
+double sample_tricubic(const voml::Grid& grid, const glm::dvec3& q);
 
 /// The legend of a module's regions, in its order.
 std::vector<RegionInfo> legend(const Module& module);

@@ -21,6 +21,12 @@ vk::Format vulkan_format(compiler::TexelFormat format) {
       return vk::Format::eR32Sfloat;
     case compiler::TexelFormat::r16f:
       return vk::Format::eR16Sfloat;
+    case compiler::TexelFormat::snorm16:
+      return vk::Format::eR16Snorm;
+    case compiler::TexelFormat::snorm8:
+      return vk::Format::eR8Snorm;
+    case compiler::TexelFormat::unorm8:
+      return vk::Format::eR8Unorm;
     case compiler::TexelFormat::rgba16f:
       return vk::Format::eR16G16B16A16Sfloat;
   }
@@ -48,13 +54,18 @@ std::optional<Error> texture_fault(const Device::Impl& gpu, const compiler::Text
                  {}};
   }
   const vk::Format format = vulkan_format(texture.format);
-  constexpr auto needed =
-      vk::FormatFeatureFlagBits::eSampledImageFilterLinear | vk::FormatFeatureFlagBits::eTransferDst;
-  if ((gpu.physical.getFormatProperties(format).optimalTilingFeatures & needed) != needed) {
+  using Feature = vk::FormatFeatureFlagBits;
+  const vk::FormatFeatureFlags there = gpu.physical.getFormatProperties(format).optimalTilingFeatures;
+  const vk::FormatFeatureFlags read = Feature::eSampledImage | Feature::eTransferDst;
+  const auto lacks = [&](const char* what, const char* way_out) {
     return Error{Fault::input,
-                 fmt::format("the scene's texture '{}' has the format {}, which '{}' does not filter", texture.name,
-                             vk::to_string(format), gpu.info.name),
-                 {"choose another format for the atlas"}};
+                 fmt::format("the scene's texture '{}' has the format {}, which '{}' does not {}", texture.name,
+                             vk::to_string(format), gpu.info.name, what),
+                 {way_out}};
+  };
+  if ((there & read) != read) return lacks("read", "choose another format for the atlas");
+  if (texture.filtered && !(there & Feature::eSampledImageFilterLinear)) {
+    return lacks("filter", "choose another format for the atlas, or let the shader filter");
   }
   const auto image = gpu.physical.getImageFormatProperties(
       format, vk::ImageType::e3D, vk::ImageTiling::eOptimal,

@@ -47,6 +47,7 @@ using uvec4 = glm::uvec4;
 #define DMVV_REGION_BIT 0x80000000u
 
 #define DMVV_NO_FUNCTION 0xffffffffu
+#define DMVV_NO_REGION 0xffffffffu
 
 #define DMVV_KIND_SINGLE 0u
 #define DMVV_KIND_SEEDED 1u
@@ -86,9 +87,9 @@ struct LookupRecord {
 };
 
 // A grid's place in the atlas, and the box of local points in which it is defined.
-//   normalised atlas coordinate = q * atlas_scale + atlas_offset
+//   normalised atlas coordinate = q * atlas_scale + atlas_offset; in texels if the shader filters (DMVV_FILTER)
 struct SdfRecord {
-  vec4 box_lo;  // w: iso, negative is f <= iso
+  vec4 box_lo;  // w: iso as stored, negative is f <= iso
   vec4 box_hi;
   vec4 atlas_scale;
   vec4 atlas_offset;
@@ -125,7 +126,8 @@ struct PlacementRecord {
   AffineRows local_from_object;
   uint object;  // candidates only
   uint tiled;
-  uint pad0, pad1;
+  uint candidate;  // number within the region; set where a list holds placements instead of their indices (thesis)
+  uint pad0;
 };
 
 #ifdef __cplusplus

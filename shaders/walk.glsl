@@ -13,7 +13,11 @@ bool placed_negative(uint sdf, vec3 q) {
 #endif
 #ifdef DMVV_GRIDS
   vec3 texel = q * sdfs[sdf].atlas_scale.xyz + sdfs[sdf].atlas_offset.xyz;
+#ifdef DMVV_FILTER
+  return sample_grid(texel) <= sdfs[sdf].box_lo.w;
+#else
   return textureLod(grid_atlas, texel, 0.0).r <= sdfs[sdf].box_lo.w;
+#endif
 #else
   return false;
 #endif

@@ -35,10 +35,10 @@ std::vector<std::string> names(const std::string& folder) {
 
 }  // namespace
 
-TEST_CASE("every dump in both forms, byte by byte the same in two runs") {
+TEST_CASE("every dump in each form, byte by byte the same in two runs") {
   const Folder folder;
   const std::string scene = ball_scene(folder);
-  for (const std::string codegen : {"specialised", "table"}) {
+  for (const std::string codegen : {"specialised", "table", "thesis"}) {
     CAPTURE(codegen);
     for (const std::string run : {"first", "second"}) {
       const Run result = run_dmvv({"compile", scene, "-o", folder.file(codegen + run), "--codegen", codegen});
@@ -68,6 +68,20 @@ TEST_CASE("only what was asked for, into a folder that is there") {
   std::filesystem::create_directory(folder.file("dump"));
   CHECK(run_dmvv({"compile", scene, "-o", folder.file("dump"), "--dump", "glsl,stats", "--quiet"}).exit_code == 0);
   CHECK(names(folder.file("dump")) == std::vector<std::string>{"pixels.comp", "points.comp", "stats.txt"});
+}
+
+TEST_CASE("atlas formats and filters are dumped under their names, normalised texels as floats") {
+  const Folder folder;
+  const std::string scene = ball_scene(folder);
+  for (const std::string format : {"r32f", "r16f", "snorm16", "snorm8"}) {
+    CAPTURE(format);
+    const Run run = run_dmvv({"compile", scene, "-o", folder.file(format), "--atlas", format, "--filter", "tricubic",
+                              "--dump", "atlas,glsl"});
+    CHECK_MESSAGE(run.exit_code == 0, run.err);
+    // 8 samples and a border of two on each side.
+    CHECK(folder.read(format + "/atlas.txt").find("12 x 12 x 12 texels " + format + ",") != std::string::npos);
+    CHECK(folder.read(format + "/points.comp").find("sample_grid(") != std::string::npos);
+  }
 }
 
 TEST_CASE("a scene without grids has no texture") {

@@ -47,6 +47,27 @@ TEST_CASE("points come from a file, the standard input, or the arguments, in tha
   CHECK(run_dmvv({"probe", scene, "--points", "-"}, "").out.empty());
 }
 
+TEST_CASE("a filter means the same on every backend") {
+  // Samples of -0.5 and 0.5 at x = -0.5 and 0.5. Beyond the outer sample trilinear stays at -0.5; Catmull-Rom goes on to
+  // -0.568 at x = -0.95.
+  const Folder folder;
+  folder.write("plane.lxn", sampled(2, [](const glm::dvec3& q) { return q.x; }));
+  const std::string scene = folder.write("scene.voml", R"(<MVV><OBJECT name="A">
+  <SDF name="S" file="plane.lxn" offset="-0.53"/><REGION name="R" type="color" rgb="1 0 0"/></OBJECT></MVV>)");
+  for (const std::string backend : {"reference", "vulkan"}) {
+    CAPTURE(backend);
+    const std::vector<std::string> probe{"probe", scene, "--point", "-0.95 0 0", "--backend", backend};
+    const auto with = [&](const std::string& filter) {
+      std::vector<std::string> arguments = probe;
+      arguments.insert(arguments.end(), {"--filter", filter});
+      return run_dmvv(arguments).out;
+    };
+    CHECK(with("hardware") == "-0.95 0 0\tempty\n");
+    CHECK(with("shader") == "-0.95 0 0\tempty\n");
+    CHECK(with("tricubic") == "-0.95 0 0\tA:R\t1 0 0\n");
+  }
+}
+
 TEST_CASE("another root is another scene") {
   const Folder folder;
   const std::string scene = folder.write("scene.voml", nested_cubes);

@@ -65,7 +65,7 @@ TEST_CASE("each grid has a border that repeats its outer samples") {
   const auto value = [](glm::dvec3 p) { return p.x + 10 * p.y + 100 * p.z; };
   const std::vector<voml::Grid> grids{tests::grid_of({3, 4, 5}, value), tests::grid_of({2, 2, 2}, [](glm::dvec3) { return -7.0; })};
   Diagnostics diagnostics;
-  const auto atlas = compiler::pack_atlas(grids, compiler::TexelFormat::r32f, 64, diagnostics);
+  const auto atlas = compiler::pack_atlas(grids, {}, 64, diagnostics);
   REQUIRE(atlas);
   for (std::size_t g = 0; g < grids.size(); ++g) {
     const glm::ivec3 n(grids[g].size);
@@ -86,7 +86,7 @@ TEST_CASE("an atlas that does not fit names the largest grid and the limit") {
                                 tests::grid_of({20, 2, 2}, [](glm::dvec3) { return 0.0; })};
   grids[1].path = "long.lxn";
   Diagnostics diagnostics;
-  CHECK_FALSE(compiler::pack_atlas(grids, compiler::TexelFormat::r32f, 16, diagnostics));
+  CHECK_FALSE(compiler::pack_atlas(grids, {}, 16, diagnostics));
   REQUIRE(diagnostics.all().size() == 1);
   CHECK(diagnostics.all()[0].code == Code::atlas_too_large);
   CHECK(diagnostics.all()[0].message.find("'long.lxn'") != std::string::npos);
@@ -96,7 +96,7 @@ TEST_CASE("an atlas that does not fit names the largest grid and the limit") {
 TEST_CASE("half precision keeps the sign of every sample") {
   const std::vector<voml::Grid> grids{tests::grid_of({4, 4, 4}, [](glm::dvec3 p) { return p.x < 0 ? -1e6 : 1e6; })};
   Diagnostics diagnostics;
-  const auto atlas = compiler::pack_atlas(grids, compiler::TexelFormat::r16f, 64, diagnostics);
+  const auto atlas = compiler::pack_atlas(grids, {.format = compiler::TexelFormat::r16f}, 64, diagnostics);
   REQUIRE(atlas);
   CHECK(atlas->texture.texels.size() == 6 * 6 * 6 * 2);
   std::uint16_t first, last;
