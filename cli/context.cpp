@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <numeric>
 #include <sstream>
 #include <string_view>
 
@@ -80,13 +81,10 @@ Stopwatch::Stopwatch() : last_(Clock::now()) {
 }
 
 void Stopwatch::add(const std::string& step, double ms) {
-  for (runtime::Timing& known : steps_) {
-    if (known.step == step) {
-      known.ms += ms;
-      return;
-    }
+  for (Step& known : steps_) {
+    if (known.name == step) return known.laps_ms.push_back(ms);
   }
-  steps_.push_back({step, ms});
+  steps_.push_back({step, {ms}});
 }
 
 void Stopwatch::lap(const std::string& step) {
@@ -111,7 +109,16 @@ double Stopwatch::seconds() const { return std::chrono::duration<double>(Clock::
 void Stopwatch::print() {
   lap("close");
   std::string table = "dmvv: timings in ms\n";
-  for (const runtime::Timing& timing : steps_) table += fmt::format("  {:<10}{:>9.1f}\n", timing.step, timing.ms);
+  for (Step& step : steps_) {
+    auto& laps = step.laps_ms;
+    table += fmt::format("  {:<10}{:>9.1f}", step.name, std::accumulate(laps.begin(), laps.end(), 0.0));
+    if (laps.size() > 2) {
+      const auto middle = laps.begin() + static_cast<std::ptrdiff_t>(laps.size() / 2);
+      std::nth_element(laps.begin(), middle, laps.end());
+      table += fmt::format("   {} times, median {:.2f}", laps.size(), *middle);
+    }
+    table += '\n';
+  }
   table += fmt::format("  {:<10}{:>9.1f}\n", "total", Milliseconds(last_ - start_).count());
   std::fputs(table.c_str(), stderr);
 }

@@ -51,7 +51,8 @@ class Stopwatch {
  public:
   Stopwatch();
 
-  /// The time since the last lap was spent on `step`. A step that comes again is added to.
+  /// The time since the last lap was spent on `step`. A step that comes again is added to; of one that comes
+  /// often, the table tells the median as well.
   void lap(const std::string& step);
   /// The same time, of which `inner` is known to have been spent on the steps it names; what remains is `rest`.
   void lap(const runtime::Timings& inner, const std::string& rest);
@@ -61,11 +62,15 @@ class Stopwatch {
   void print();
 
  private:
+  struct Step {
+    std::string name;
+    std::vector<double> laps_ms;
+  };
   void add(const std::string& step, double ms);
 
   std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point last_;
-  runtime::Timings steps_;
+  std::vector<Step> steps_;
 };
 
 struct Context {

@@ -407,13 +407,14 @@ class Generator {
     const gpu::SdfRecord& record = records_.sdfs[id.index];
     out_.uses.placements = true;
     line("uvec2 range = {};", find_cell(record.lookup, "p"));
-    line("uint i = range.x;");
+    line("uint asked = 0u;");
     line("bool negative = false;");
-    open("for (; i < range.y && !negative; ++i)");
+    open("for (uint i = range.x; i < range.y && !negative; ++i)");
+    line("++asked;");
     line("vec3 q = apply(placements[{} + lists[i]].local_from_object, p);", fmt::format("{}u", record.first_placement));
     line("negative = {} && {};", box_test(local_box(sdf, module_), "q"), source_test(sdf, nullptr, "q"));
     close();
-    line("hit_unfinished = hit_unfinished || (!negative && i < range.y);");
+    line("hit_unfinished = hit_unfinished || (!negative && asked != range.y - range.x);");
     line("return negative;");
   }
 
@@ -504,8 +505,9 @@ class Generator {
     const bool any_tiled = std::any_of(group.candidates.begin(), group.candidates.end(),
                                        [](const Candidate& candidate) { return candidate.tiled; });
     line("uvec2 range = {};", find_cell(record.lookup, group.box_from_object ? "b" : "p"));
-    line("uint i = range.x;");
-    open("for (; i < range.y && hit_number == 0u; ++i)");
+    line("uint asked = 0u;");
+    open("for (uint i = range.x; i < range.y && hit_number == 0u; ++i)");
+    line("++asked;");
     line("uint c = lists[i];");
     line("vec3 q = apply(placements[{} + c].local_from_object, p);", fmt::format("{}u", record.first_placement));
     if (any_tiled) {
@@ -518,7 +520,7 @@ class Generator {
          group.first_number == 0 ? std::string("c") : fmt::format("{}u + c", group.first_number));
     close();
     close();
-    line("hit_unfinished = hit_unfinished || (hit_number == 0u && i < range.y);");
+    line("hit_unfinished = hit_unfinished || (hit_number == 0u && asked != range.y - range.x);");
   }
 
   /// One call for each different object of the group; all objects that are cut share one walker.

@@ -97,7 +97,7 @@ struct Module {
 
 struct LowerOptions {
   bool check_everything = false;  ///< also compiles the snippets that the root does not reach, for their mistakes
-  CodeCache cache;                ///< asked before a snippet is compiled
+  CodeCache cache = {};           ///< asked before a snippet is compiled
 };
 
 /// Scene -> Module: composes matrices, drops what the root does not reach, orders objects, refuses cycles.

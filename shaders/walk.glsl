@@ -31,25 +31,28 @@ bool walk_negative(uint sdf, vec3 p) {
     return placed_negative(sdf, q);
   }
   uvec2 range = find_cell(sdfs[sdf].lookup, p);
-  uint i = range.x;
+  uint asked = 0u;
   bool negative = false;
-  for (; i < range.y && !negative; ++i) {
+  for (uint i = range.x; i < range.y && !negative; ++i) {
+    ++asked;
     negative = placed_negative(sdf, apply(placements[first + lists[i]].local_from_object, p));
   }
-  hit_unfinished = hit_unfinished || (!negative && i < range.y);
+  hit_unfinished = hit_unfinished || (!negative && asked != range.y - range.x);
   return negative;
 }
 
 // The region in which p lies, by the object's decision tree.
 uint walk_tree(uint object, vec3 p) {
   uint reference = objects[object];
+  bool arrived = (reference & DMVV_REGION_BIT) != 0u;
   while ((reference & DMVV_REGION_BIT) == 0u) {
     NodeRecord node = nodes[reference];
     uint next = walk_negative(node.sdf, p) ? node.negative : node.positive;
     if (next == reference) break;  // never in a tree; a device that runs out of rounds must still end
     reference = next;
+    arrived = (next & DMVV_REGION_BIT) != 0u;
   }
-  if ((reference & DMVV_REGION_BIT) == 0u) hit_unfinished = true;
+  hit_unfinished = hit_unfinished || !arrived;
   return reference & ~DMVV_REGION_BIT;
 }
 
@@ -67,6 +70,7 @@ struct Frame {
 void walk(uint object, vec3 p, uint level) {
   Frame stack[DMVV_DEPTH];
   int top = 0;
+  bool ended = false;
   stack[0] = Frame(p, walk_tree(object, p), 0u, 0u, 0u, 0u);
   while (top >= 0) {
     Frame f = stack[top];
@@ -99,10 +103,12 @@ void walk(uint object, vec3 p, uint level) {
     } else if (regions[f.region].number != 0u) {  // nobody answered: the region's own colour counts
       answer(f.region, regions[f.region].number, f.p, level + uint(top));
       for (int k = 0; k < top; ++k) came_through(stack[k].region, stack[k].candidate, level + uint(k));
+      ended = true;
       break;
     } else {  // the object is empty here: the next candidate of the enclosing region
+      ended = top == 0;
       top = top - 1;
     }
   }
-  hit_unfinished = hit_unfinished || (top >= 0 && hit_number == 0u);
+  hit_unfinished = hit_unfinished || !ended;
 }

@@ -1,8 +1,11 @@
 // One table of scenes and points, run on every evaluator: the double reference, and each form of generated code on a
 // Vulkan device with validation on. Answers that the reference calls certain must be the same, paths included.
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <cmath>
+#include <map>
+#include <string>
 
 #include "compiler/reference.h"
 #include "runtime/runtime.h"
@@ -126,26 +129,85 @@ TEST_CASE("every filter and format gives what the reference reads from the same 
   for (const auto& message : device.validation_messages()) FAIL_CHECK(message);
 }
 
-TEST_CASE("a list longer than the device's loop rounds is reported, not guessed") {
-  // 70,000 candidates in one cell that all come back empty: lavapipe grants 65,535 rounds.
-  std::string seeds;
-  for (int i = 0; i < 70000; ++i) seeds += "0 0 0\n";
-  const auto module = tests::lowered(
-      "<MVV><OBJECT name='E'><REGION name='R' type='empty'/></OBJECT><OBJECT name='A'><REGION name='R' type='color' "
-      "rgb='1 0 0'><EMBEDDED name='E' seedFile='s.txt'/></REGION></OBJECT></MVV>",
-      {{"s.txt", seeds}});
+namespace {
+
+/// The device either says that it ran out of loop rounds, or every answer is this region.
+void check_rounds(const std::string& text, const std::map<std::string, std::string>& files,
+                  const std::vector<glm::dvec3>& points, std::uint32_t region) {
+  const auto module = tests::lowered(text, files);
   runtime::Device device = open_device();
-  for (const auto codegen : {compiler::Codegen::specialised, compiler::Codegen::table}) {
-    compiler::CompileOptions options;
-    options.codegen = codegen;
-    const auto program = tests::compiled(module, options);
+  for (const tests::Setting& setting : tests::agreeing_settings()) {
+    CAPTURE(setting.name);
+    const auto program = tests::compiled(module, setting.options);
     auto evaluator = runtime::Evaluator::create(device, program);
     REQUIRE(evaluator);
-    const auto answers = evaluator->probe(std::vector<glm::dvec3>(8, glm::dvec3(0.1)));
+    const auto answers = evaluator->probe(points);
     if (answers) {
-      for (const auto& answer : *answers) CHECK(answer.number == 1);  // a device without that limit gets it right
+      for (const auto& answer : *answers) CHECK(answer.number == region);
     } else {
       CHECK(answers.error().message.find("round") != std::string::npos);
     }
   }
+}
+
+std::string repeated(const std::string& line, int count) {
+  std::string text;
+  for (int i = 0; i < count; ++i) text += line;
+  return text;
+}
+
+}  // namespace
+
+// Lavapipe grants a group of points 65,535 loop rounds in all.
+
+TEST_CASE("a list longer than the device's loop rounds is reported, not guessed") {
+  check_rounds(
+      "<MVV><OBJECT name='E'><REGION name='R' type='empty'/></OBJECT><OBJECT name='A'><REGION name='R' type='color' "
+      "rgb='1 0 0'><EMBEDDED name='E' seedFile='s.txt'/></REGION></OBJECT></MVV>",
+      {{"s.txt", repeated("0 0 0\n", 70000)}}, std::vector<glm::dvec3>(8, glm::dvec3(0.1)), 1);
+}
+
+TEST_CASE("lists in lists that are too long together are reported, for each point of a group") {
+  // On the left 300 objects of 300 empty ones each; on the right 300 objects, the last of which is the region 1.
+  const std::string text =
+      "<MVV><OBJECT name='E'><REGION name='R' type='empty'/></OBJECT>"
+      "<OBJECT name='M'><REGION name='R' type='empty'><EMBEDDED name='E' seedFile='m.txt'/></REGION></OBJECT>"
+      "<OBJECT name='F'><REGION name='R' type='color' rgb='1 0 0'/></OBJECT>"
+      "<OBJECT name='A'><REGION name='R' type='empty'>"
+      "<EMBEDDED name='M' seedFile='a.txt' scale='0.5 0.5 0.5'/>"
+      "<EMBEDDED name='E' seedFile='b.txt' scale='0.5 0.5 0.5'/>"
+      "<EMBEDDED name='F'/></REGION></OBJECT></MVV>";
+  std::vector<glm::dvec3> points(8, glm::dvec3(-0.6, 0.1, 0.1));
+  points[3].x = 0.6;
+  check_rounds(text,
+               {{"m.txt", repeated("0 0 0\n", 300)},
+                {"a.txt", repeated("-0.25 0 0\n", 300)},
+                {"b.txt", repeated("0.25 0 0\n", 300)}},
+               points, 1);
+}
+
+TEST_CASE("a group of points, each in a long list of its own, is answered or reported") {
+  // Eight balls of 10,000 beads each; every point lies in another ball, between its beads: the ball's own region, 2.
+  std::string places;
+  std::vector<glm::dvec3> points;
+  for (const double x : {-0.5, 0.5}) {
+    for (const double y : {-0.5, 0.5}) {
+      for (const double z : {-0.5, 0.5}) {
+        places += fmt::format("{} {} {}\n", x / 2, y / 2, z / 2);  // fractions of the cube's edge
+        points.emplace_back(x + 0.1, y, z);
+      }
+    }
+  }
+  const std::string text =
+      "<MVV>"
+      "<OBJECT name='BEAD'><SDF name='S' function='true'>return length(p) - 0.9;</SDF>"
+      "<REGION name='R.OUT' type='empty'/><REGION name='R.BEAD' type='color' rgb='0 1 0'/><MAPPINGS name='BEAD'>"
+      "<SDF name='S'><POSITIVE region='R.OUT'/><NEGATIVE region='R.BEAD'/></SDF></MAPPINGS></OBJECT>"
+      "<OBJECT name='BALL'><SDF name='S' function='true'>return length(p) - 0.9;</SDF>"
+      "<REGION name='R.BALL' type='color' rgb='1 0 0'><EMBEDDED name='BEAD' seedFile='beads.txt' scale='0.1 0.1 0.1'/>"
+      "</REGION><REGION name='R.OUT' type='empty'/><MAPPINGS name='BALL'>"
+      "<SDF name='S'><POSITIVE region='R.OUT'/><NEGATIVE region='R.BALL'/></SDF></MAPPINGS></OBJECT>"
+      "<OBJECT name='ALL'><REGION name='R.ALL' type='color' rgb='0 0 1'>"
+      "<EMBEDDED name='BALL' seedFile='balls.txt' scale='0.4 0.4 0.4'/></REGION></OBJECT></MVV>";
+  check_rounds(text, {{"beads.txt", repeated("-0.25 0 0\n", 10000)}, {"balls.txt", places}}, points, 2);
 }

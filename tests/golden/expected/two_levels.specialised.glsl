@@ -44,8 +44,9 @@ void object_0(vec3 p, uint level) {
     // BASE: 2 candidates
     if (hit_number == 0u) {
       uvec2 range = find_cell(p, vec3(-0.90000033), vec3(0.55555534), uvec3(1u, 1u, 1u), 0u);
-      uint i = range.x;
-      for (; i < range.y && hit_number == 0u; ++i) {
+      uint asked = 0u;
+      for (uint i = range.x; i < range.y && hit_number == 0u; ++i) {
+        ++asked;
         uint c = lists[i];
         vec3 q = apply(placements[2u + c].local_from_object, p);
         if (in_cube(q)) {
@@ -55,7 +56,7 @@ void object_0(vec3 p, uint level) {
           if (hit_number != 0u) came_through(0u, c, level);
         }
       }
-      hit_unfinished = hit_unfinished || (hit_number == 0u && i < range.y);
+      hit_unfinished = hit_unfinished || (hit_number == 0u && asked != range.y - range.x);
     }
   }
   if (hit_number == 0u) answer(0u, 3u, p, level);
