@@ -272,6 +272,9 @@ double Device::Impl::run(const std::function<void(const vk::raii::CommandBuffer&
   if (timer_bits != 0) {
     commands.resetQueryPool(*timer, 0, 2);
     commands.writeTimestamp(vk::PipelineStageFlagBits::eTopOfPipe, *timer, 0);
+    // Lavapipe keeps a stamp back until something makes it finish its drawing: a dispatch alone does not.
+    constexpr auto everything = vk::PipelineStageFlagBits::eAllCommands;
+    commands.pipelineBarrier(everything, everything, {}, nullptr, nullptr, nullptr);
   }
   record(commands);
   if (timer_bits != 0) commands.writeTimestamp(vk::PipelineStageFlagBits::eBottomOfPipe, *timer, 1);

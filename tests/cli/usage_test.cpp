@@ -25,7 +25,7 @@ TEST_CASE("help and version go to the standard output") {
     CHECK(holds(details.out, "Example"));
     CHECK(holds(details.out, "dmvv " + command));
   }
-  for (const std::string later : {"bench", "view"}) CHECK(!holds(help.out, "\n  " + later));
+  for (const std::string later : {"view"}) CHECK(!holds(help.out, "\n  " + later));
 }
 
 TEST_CASE("wrong usage: exit code 2, one message, nothing on the standard output") {
