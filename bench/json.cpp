@@ -143,6 +143,17 @@ std::string to_json(const Report& report) {
   for (const Fit& f : report.fits) json["fits"].push_back(fit(f));
   json["missing"] = Json::array();
   for (const Missing& m : report.missing) json["missing"].push_back({{"scene", m.scene}, {"reason", m.reason}});
+  json["stress"] = Json::array();
+  for (const StressFigure& f : report.stress) {
+    json["stress"].push_back({{"name", f.name},
+                              {"what", f.what},
+                              {"measured", rounded(f.measured)},
+                              {"bound", rounded(f.bound)},
+                              {"at_least", f.at_least},
+                              {"unit", f.unit},
+                              {"detail", f.detail},
+                              {"held", f.held}});
+  }
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 

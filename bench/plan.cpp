@@ -98,7 +98,7 @@ class Planner {
   void all_settings(const std::string& section, const SceneSource& source, glm::uvec2 size_px) {
     for (const Variant& row : variants()) {
       if (row.settings.samples > 1 && options_.quick) continue;
-      if (!row.settings.disabled_passes.empty() && options_.quick) continue;
+      if (!row.settings.disabled_passes.empty() && options_.quick && options_.scenes.empty()) continue;
       Case& made = add(section, source.name, row.name, std::nullopt, source.name, [source] { return source; });
       made.size_px = size_px;
       if (&row != &variants().front()) made.effort.builds = 1;
@@ -181,7 +181,8 @@ void Planner::sampling() {
 void Planner::growth(bool whole_range) {
   using Values = std::vector<std::uint32_t>;
   const bool quick = options_.quick;
-  const std::vector<std::string> ours{"specialised"}, both{"specialised", "table"};
+  const std::vector<std::string> ours{"specialised"};
+  const std::vector<std::string> both = quick ? ours : std::vector<std::string>{"specialised", "table"};
   grow("objects", "objects", quick ? Values{100, 1000, 10000} : Values{100, 1000, 10000, 100000, 1000000}, ours, many_objects);
   grow("tree depth", "decisions", quick ? Values{4, 16} : Values{1, 2, 4, 8, 16, 32, 64}, both,
        [](std::uint32_t depth) { return decision_tree(TreeForm::chain, Source::analytic, depth); });
@@ -340,9 +341,9 @@ Plan make_plan(const PlanOptions& options) {
   } else if (options.set == "standard") {
     planner.boundaries();
     planner.sampling();
-    planner.growth(false);
     planner.example_settings("orange");
     if (!options.quick) planner.example_settings("sticks");
+    planner.growth(false);
   }
   return planner.take();
 }

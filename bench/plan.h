@@ -42,7 +42,7 @@ struct Effort {
   std::uint32_t builds = 3;  ///< from text to the first picture, each from nothing
   std::uint32_t min_frames = 5;
   std::uint32_t max_frames = 25;
-  double frames_ms = 1000.0;         ///< after which no further frame is begun, once there are min_frames
+  double frames_ms = 1000.0;         ///< after which no further frame or probe is begun, once there are enough to tell
   std::uint32_t probe_rounds = 5;    ///< of the cost of a point; 0: not measured
   std::uint32_t points = 20000;      ///< compared with the reference, spread over the support mesh's box
   glm::uvec2 error_size_px{320, 180};  ///< of the picture compared with the reference; 0: none
@@ -63,7 +63,7 @@ struct ThesisFigures {
 
 struct Case {
   std::string id;       ///< unique, stable: what results are compared by
-  std::string section;  ///< "boundary", "samples", "scene", "growth", "thesis", "stress"
+  std::string section;  ///< "boundary", "samples", "scene", "growth", "thesis"
   std::string series;   ///< cases that differ in their parameter alone
   std::string variant;
   Settings settings;

@@ -146,7 +146,7 @@ void convergence(const Report& report, std::vector<Plot>& plots) {
     const double factor = first.y * first.x * first.x;
     std::string script = axes(fmt::format("Boundary of a {}: error against resolution", shape), "samples of the grid along a side",
                               "displacement RMS, object units (cube: -1..1)");
-    script += line_plot(lines, "set xtics (16, 32, 64, 128, 256)\n", fmt::format(", \\\n  {:.6g}/(x*x) with lines lc rgb '#999999' dt 2 lw 1.5 title 'slope 2 (theory)'", 0.6 * factor));
+    script += line_plot(lines, "set xtics (16, 32, 64, 128, 256)\n", fmt::format(", \\\n  {:.6g}/(x*x) with lines lc rgb '#999999' dt 2 lw 1.5 title 'h^2 (theory)', \\\n  0.0236/x with lines lc rgb '#999999' dt 3 lw 1.5 title '8 bits: 1.2 % of h at most'", 0.6 * factor));
     plots.push_back({"convergence_" + file_name(shape), script});
   }
 }
@@ -163,7 +163,12 @@ std::string with_front(const std::vector<Line>& lines, const std::string& label_
     }
   }
   std::vector<Mark> front;
-  for (const std::size_t i : pareto_front(points)) front.push_back(*all[i]);
+  for (const std::size_t i : pareto_front(points)) {
+    Mark mark = *all[i];
+    const bool crowded = !front.empty() && mark.x < 1.1 * front.back().x && mark.y > front.back().y / 1.5;
+    if (crowded) mark.label.clear();
+    front.push_back(std::move(mark));
+  }
   std::string script = fmt::format("set xrange {}\nset yrange {}\n", range(lines, &Mark::x), range(lines, &Mark::y));
   script += ticks("x", lines, &Mark::x) + ticks("y", lines, &Mark::y);
   script += data("front", front);

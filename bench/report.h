@@ -43,9 +43,17 @@ struct Fit {
 /// Fits boundaries against the grid's step, colours against samples, times against what grew.
 std::vector<Fit> fit_series(const std::vector<Measurement>& measurements);
 
-/// Most that storing a value moves it: half a step of the format, in object units where the field is a distance whose
-/// largest magnitude is `largest`. The floor under which refining a grid does not help.
-double storage_floor(compiler::TexelFormat format, double largest);
+/// One figure of the stress cases and its bound.
+struct StressFigure {
+  std::string name;
+  std::string what;
+  double measured = 0.0;
+  double bound = 0.0;
+  bool at_least = false;  ///< the bound is what it must not fall below, else what it must not exceed
+  std::string unit;
+  std::string detail;
+  bool held = false;
+};
 
 struct Report {
   std::string set;  ///< name of the set, or "scenes"
@@ -55,6 +63,7 @@ struct Report {
   std::vector<Measurement> measurements;
   std::vector<Missing> missing;
   std::vector<Fit> fits;
+  std::vector<StressFigure> stress;
 };
 
 /// JSON; keys and their order are described in bench/README.md and stay as they are.

@@ -169,12 +169,14 @@ Result<void> time_points(runtime::Evaluator& evaluator, Truth& truth, const Effo
     const double gpu_ms = ms_of(timings, runtime::gpu_step);
     return gpu_ms > 0.0 ? gpu_ms : ms_of(timings, "probe");
   };
+  const auto start = Clock::now();
   for (std::uint32_t round = 0; round <= effort.probe_rounds; ++round) {
     const auto small = kernel_ms(small_batch);
     if (!small) return tl::unexpected(small.error());
     const auto large = kernel_ms(large_batch);
     if (!large) return tl::unexpected(large.error());
     if (round != 0) result.point_ns.push_back(1e6 * (*large - *small) / (large_batch - small_batch));
+    if (round != 0 && since_ms(start) > effort.frames_ms) break;
   }
   return {};
 }

@@ -123,6 +123,16 @@ std::string thesis(const Report& report) {
                  "  camera. Its scenes were not published; ours have their structure. Our fps: one standing picture.\n");
 }
 
+std::string stress(const Report& report) {
+  TextTable table({"stress case", "measured", "bound", "unit", "held"}, {"", "", "", "", ""});
+  std::string details;
+  for (const StressFigure& f : report.stress) {
+    table.add({f.name, number(f.measured), (f.at_least ? ">= " : "<= ") + number(f.bound), f.unit, f.held ? "yes" : "NO"});
+    if (!f.held && !f.detail.empty()) details += fmt::format("  {}: {}\n", f.name, f.detail);
+  }
+  return heading("Stress: figures that have a bound", table, details);
+}
+
 std::string failures(const Report& report) {
   std::string text;
   for (const Missing& missing : report.missing) text += fmt::format("  {}: {}\n", missing.scene, missing.reason);
@@ -142,7 +152,7 @@ std::string to_table(const Report& report) {
   text += samples(report);
   text += growth(report);
   text += scenes(report, "scene");
-  text += scenes(report, "stress");
+  text += stress(report);
   text += thesis(report);
   text += fits(report);
   text += failures(report);

@@ -42,6 +42,7 @@ Report report() {
   failed.what.id = "x";
   failed.failure = "why";
   made.measurements.push_back(failed);
+  made.stress = {{"deep: wrong answers", "", 1.0, 0.0, false, "points", "at 0 0 0", false}};
   made.missing = {{"skin", "not there yet"}};
   made.fits = fit_series(made.measurements);
   return made;
@@ -59,7 +60,7 @@ TEST_CASE("the JSON has the keys of its description, in their order") {
   const std::string text = to_json(report());
   CHECK(text == to_json(report()));
   const Json json = Json::parse(text);
-  CHECK(keys(json) == "schema set quick seconds machine runs fits missing");
+  CHECK(keys(json) == "schema set quick seconds machine runs fits missing stress");
   CHECK(json["schema"] == 1);
   CHECK(keys(json["machine"]) == "dmvv compiler glslang device device_kind driver vulkan cpu cores memory_bytes system load");
   const Json& run = json["runs"][0];
@@ -74,6 +75,7 @@ TEST_CASE("the JSON has the keys of its description, in their order") {
   CHECK(keys(run["errors"]["displacement"]) == "count lost max rms mean max_px rms_px pixel_pitch");
   CHECK(keys(json["fits"][0]) ==
         "series quantity parameter from to exponent factor r2 points expected tolerance holds theory");
+  CHECK(keys(json["stress"][0]) == "name what measured bound at_least unit detail held");
   CHECK(json["runs"].back()["failure"] == "why");
 }
 
@@ -106,6 +108,7 @@ TEST_CASE("tables fit 100 columns and name what is missing") {
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) CHECK_MESSAGE(line.size() <= 100, line);
   CHECK(text.find("skin: not there yet") != std::string::npos);
+  CHECK(text.find("deep: wrong answers: at 0 0 0") != std::string::npos);
   CHECK(text.find("x: why") != std::string::npos);
 }
 
