@@ -238,6 +238,7 @@ void Planner::thesis() {
       made.thesis = figures;
       made.size_px = options_.quick ? glm::uvec2(640, 360) : glm::uvec2(1280, 720);
       made.effort.frames_ms = options_.quick ? 300.0 : 3000.0;
+      if (options_.quick) made.effort.probe_rounds = 0;
     }
   }
 }
