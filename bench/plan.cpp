@@ -307,7 +307,7 @@ const std::vector<SetName>& set_names() {
   static const std::vector<SetName> names{
       {"standard", "boundaries against resolution, samples, growth, and the orange and the sticks with every setting"},
       {"thesis", "the scenes of the thesis' table 4.1, beside its figures and its way of evaluating"},
-      {"stress", "scenes made to break things, as the stress tests have them"},
+      {"stress", "figures where float32, drivers and data structures are pushed, each with its bound"},
       {"speed-later", "what later speed work is measured by: every example with every setting, growth and code forms"},
   };
   return names;

@@ -11,6 +11,9 @@
 #include <memory>
 
 #include "bench/gnuplot.h"
+#ifdef DMVV_HAS_STRESS
+#include "bench/stress.h"
+#endif
 #include "cli/commands.h"
 #include "cli/outputs.h"
 #include "cli/progress.h"
@@ -105,6 +108,20 @@ void write(const BenchOptions& options, const std::string& gnuplot, const bench:
   outputs.commit();
 }
 
+/// The stress cases, where this build has them.
+std::vector<bench::StressFigure> run_stress([[maybe_unused]] runtime::Device& device, [[maybe_unused]] bool quick) {
+#ifdef DMVV_HAS_STRESS
+  std::vector<bench::StressFigure> figures;
+  for (stress::Case& c : must(stress::run(device, {.long_form = !quick}))) {
+    figures.push_back({std::move(c.name), std::move(c.what), c.measured, c.bound, c.at_least, std::move(c.unit),
+                       std::move(c.detail), c.held});
+  }
+  return figures;
+#else
+  fail_usage("--set stress: this build has no stress cases");
+#endif
+}
+
 int bench_command(const BenchOptions& options, Context& context) {
   // What can be refused is refused before the work.
   const bench::PlanOptions plan_of = plan_options(options);
@@ -141,6 +158,7 @@ int bench_command(const BenchOptions& options, Context& context) {
     };
     report.measurements = bench::run_cases(device, plan.cases, run);
   }
+  if (report.set == "stress") report.stress = run_stress(device, options.quick);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   report.fits = bench::fit_series(report.measurements);
   context.stopwatch.lap("bench");
