@@ -15,5 +15,6 @@ void add_compile(CLI::App& app, Invocation& invocation);
 void add_info(CLI::App& app, Invocation& invocation);
 void add_sdf(CLI::App& app, Invocation& invocation);
 void add_seeds(CLI::App& app, Invocation& invocation);
+void add_bench(CLI::App& app, Invocation& invocation);
 
 }  // namespace dmvv::cli

@@ -97,6 +97,7 @@ void Stopwatch::lap(const runtime::Timings& inner, const std::string& rest) {
   const auto now = Clock::now();
   double unexplained = Milliseconds(now - last_).count();
   for (const runtime::Timing& timing : inner) {
+    if (timing.step == runtime::gpu_step) continue;  // part of another step
     add(timing.step, timing.ms);
     unexplained -= timing.ms;
   }

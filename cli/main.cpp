@@ -73,6 +73,7 @@ int main_function(int count, char** words) {
   add_info(app, invocation);
   add_sdf(app, invocation);
   add_seeds(app, invocation);
+  add_bench(app, invocation);
   try {
     app.parse(arguments(count, words));
   } catch (const CLI::ParseError& error) {

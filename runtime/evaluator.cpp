@@ -279,7 +279,7 @@ Result<std::vector<PointAnswer>> Evaluator::Impl::probe(std::span<const glm::dve
 
   std::optional<vk::raii::DescriptorSet> io_set;
   const auto dispatch = [&](std::uint32_t count) {
-    gpu.run([&](const vk::raii::CommandBuffer& commands) {
+    return gpu.run([&](const vk::raii::CommandBuffer& commands) {
       const auto compute = vk::PipelineBindPoint::eCompute;
       const gpu::PointsParams params{.count = count, .pad0 = 0, .pad1 = 0, .pad2 = 0};
       commands.bindPipeline(compute, *points->pipeline);
@@ -319,11 +319,12 @@ Result<std::vector<PointAnswer>> Evaluator::Impl::probe(std::span<const glm::dve
   std::vector<PointAnswer> answers;
   answers.reserve(positions.size());
   std::vector<std::size_t> unfinished;
+  double gpu_ms = 0.0;
   for (std::size_t begin = 0; begin < positions.size(); begin += batch) {
     const std::size_t count = std::min(batch, positions.size() - begin);
     auto* texels = static_cast<glm::vec4*>(inputs.mapped);
     for (std::size_t i = 0; i < count; ++i) texels[i] = glm::vec4(glm::vec3(positions[begin + i]), 1.0f);
-    dispatch(static_cast<std::uint32_t>(count));
+    gpu_ms += dispatch(static_cast<std::uint32_t>(count));
     for (std::size_t i = 0; i < count; ++i) {
       auto answer = decode_answer(static_cast<const std::uint32_t*>(outputs.mapped) + i * stride, depth);
       if (!answer)
@@ -332,6 +333,7 @@ Result<std::vector<PointAnswer>> Evaluator::Impl::probe(std::span<const glm::dve
       answers.push_back(std::move(*answer));
     }
   }
+  if (timings != nullptr && gpu.timer_bits != 0) timings->push_back({gpu_step, gpu_ms});
   if (!unfinished.empty()) {
     return fail(
         Fault::input,

@@ -19,7 +19,7 @@ struct KernelPipeline {
 struct Frame {
   Targets targets;
   GpuImage color, region;
-  GpuBuffer readback;  ///< colours, then positions (if wanted), then region numbers, of a whole tile
+  GpuBuffer readback;  ///< colours, then positions (if needed), then region numbers, of a whole tile
   bool has_positions = false;
   GpuBuffer slice_positions;  ///< made for the first slice
   vk::raii::DescriptorPool pool{nullptr};
@@ -63,7 +63,8 @@ struct Evaluator::Impl {
   void bind_scene(const compiler::Program& program);
   Result<void> warm_up(const Shot& shot, vk::Extent2D extent, bool with_positions, Timings* timings);
   Frame make_frame(vk::Extent2D extent, bool with_positions) const;
-  void render_tile(Frame& target, const Shot& shot, const Tile& tile);
+  /// Returns the milliseconds on the device (Device::Impl::run).
+  double render_tile(Frame& target, const Shot& shot, const Tile& tile);
 };
 
 }  // namespace dmvv::runtime

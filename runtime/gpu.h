@@ -51,6 +51,8 @@ struct Device::Impl {
   vk::raii::Device device{nullptr};
   vk::raii::Queue queue{nullptr};
   vk::raii::CommandPool pool{nullptr};
+  vk::raii::QueryPool timer{nullptr};  ///< two time stamps; null if the queue has none
+  std::uint32_t timer_bits = 0;        ///< of a time stamp that count
   vk::PhysicalDeviceLimits limits;
   DeviceInfo info;
   std::shared_ptr<const DiskCache> cache;  ///< may be null
@@ -60,8 +62,9 @@ struct Device::Impl {
   GpuImage make_image(vk::ImageType type, vk::Format format, vk::Extent3D extent, vk::ImageUsageFlags usage,
                       vk::ImageAspectFlags aspect = vk::ImageAspectFlagBits::eColor) const;
   vk::raii::ShaderModule make_shader(const std::uint32_t* words, std::size_t count) const;
-  /// Records commands, submits them and waits until they are done.
-  void run(const std::function<void(const vk::raii::CommandBuffer&)>& record) const;
+  /// Records commands, submits them and waits until they are done. Returns the milliseconds they took by the device's
+  /// own time stamps; 0 if it has none.
+  double run(const std::function<void(const vk::raii::CommandBuffer&)>& record) const;
 
  private:
   vk::raii::DeviceMemory allocate(const vk::MemoryRequirements& needs, MemoryUse use) const;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <glm/common.hpp>
 #include <limits>
 
 #include "runtime/evaluator.h"
@@ -79,6 +80,12 @@ float depth_of(const Shot& shot, std::uint32_t region, const glm::vec4& position
   return static_cast<float>(glm::dot(shot.forward, glm::dvec3(position) - shot.eye));
 }
 
+/// The point that the kernel evaluates (shaders/pixels.comp).
+glm::vec3 position_of(const Shot& shot, const glm::vec4& surface) {
+  if (surface.w <= 0.5f) return glm::vec3(std::numeric_limits<float>::quiet_NaN());
+  return glm::clamp(glm::vec3(surface), glm::vec3(shot.pixels.bounds_lo), glm::vec3(shot.pixels.bounds_hi));
+}
+
 Picture empty_picture(const View& view) {
   Picture picture;
   picture.size_px = view.size_px;
@@ -86,6 +93,7 @@ Picture empty_picture(const View& view) {
   picture.rgba.resize(4 * pixels);
   if (view.want_regions) picture.regions.resize(pixels);
   if (view.want_depth) picture.depth.resize(pixels);
+  if (view.want_positions) picture.positions.resize(pixels);
   return picture;
 }
 
@@ -101,6 +109,7 @@ void resolve_tile(const TilePixels& from, const Tile& tile, const Shot& shot, st
       std::memcpy(&picture.rgba[4 * pixel], &color, sizeof color);
       if (!picture.regions.empty()) picture.regions[pixel] = from.regions[source];
       if (!picture.depth.empty()) picture.depth[pixel] = depth_of(shot, from.regions[source], from.positions[source]);
+      if (!picture.positions.empty()) picture.positions[pixel] = position_of(shot, from.positions[source]);
     }
   }
 }
@@ -170,7 +179,7 @@ Frame Evaluator::Impl::make_frame(vk::Extent2D extent, bool with_positions) cons
   return made;
 }
 
-void Evaluator::Impl::render_tile(Frame& target, const Shot& shot, const Tile& tile) {
+double Evaluator::Impl::render_tile(Frame& target, const Shot& shot, const Tile& tile) {
   if (shot.slice && target.slice_positions.bytes == 0) {
     const vk::DeviceSize bytes = vk::DeviceSize{16} * target.targets.extent.width * target.targets.extent.height;
     target.slice_positions = gpu.make_buffer(bytes, vk::BufferUsageFlagBits::eTransferSrc, MemoryUse::upload);
@@ -178,7 +187,7 @@ void Evaluator::Impl::render_tile(Frame& target, const Shot& shot, const Tile& t
   gpu::PixelsParams params = shot.pixels;
   params.width = tile.size_px.x;
   params.height = tile.size_px.y;
-  gpu.run([&](const vk::raii::CommandBuffer& commands) {
+  return gpu.run([&](const vk::raii::CommandBuffer& commands) {
     if (shot.slice) {
       draw_slice(commands, target, shot, tile);
     } else {
@@ -231,15 +240,17 @@ Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
   const auto shot = plan_shot(view, rasteriser->bounds(), largest_px);
   if (!shot) return tl::unexpected(shot.error());
   const vk::Extent2D extent = tile_extent(shot->size_px, view.samples);
-  if (const auto ready = warm_up(*shot, extent, view.want_depth, timings); !ready) return tl::unexpected(ready.error());
+  const bool need_positions = view.want_depth || view.want_positions;
+  if (const auto ready = warm_up(*shot, extent, need_positions, timings); !ready) return tl::unexpected(ready.error());
 
   const Stopwatch watch(timings, "frame");
   Picture picture = empty_picture(view);
   std::size_t unfinished = 0;
+  double gpu_ms = 0.0;
   for (std::uint32_t y = 0; y < shot->size_px.y; y += extent.height) {
     for (std::uint32_t x = 0; x < shot->size_px.x; x += extent.width) {
       const Tile tile{{x, y}, glm::min(glm::uvec2(extent.width, extent.height), shot->size_px - glm::uvec2(x, y))};
-      render_tile(*frame, *shot, tile);
+      gpu_ms += render_tile(*frame, *shot, tile);
       const TilePixels result = tile_pixels(*frame, tile);
       const std::size_t count = std::size_t{tile.size_px.x} * tile.size_px.y;
       unfinished += static_cast<std::size_t>(std::count(result.regions, result.regions + count, DMVV_UNFINISHED));
@@ -251,6 +262,7 @@ Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
                 fmt::format("{} pixels needed more loop rounds than this device grants (65,535)", unfinished),
                 {"split the scene's longest lists of seeds or embedded objects, or use another device"});
   }
+  if (timings != nullptr && gpu.timer_bits != 0) timings->push_back({gpu_step, gpu_ms});
   if (!view.slice && !view.cuts.empty()) picture.open_edges = rasteriser->open_edges();
   return picture;
 }

@@ -45,6 +45,10 @@ struct Timing {
 };
 using Timings = std::vector<Timing>;
 
+/// The step "gpu": the device's share of the step after it ("frame", "probe") by its own time stamps; part of that
+/// step, not another one. Absent where the device has no time stamps.
+inline constexpr const char* gpu_step = "gpu";
+
 /// An open Vulkan device. Movable; everything made from it must be destroyed before it.
 class Device {
  public:
@@ -81,13 +85,13 @@ class Evaluator {
   static Result<Evaluator> create(Device& device, const compiler::Program& program, Timings* timings = nullptr);
 
   /// The scene at a time and at points in root coordinates (rounded to float32). Answers in the order of the points.
-  /// Needs the points kernel. Adds "pipeline" (first use) and "probe" to `timings`. Errors: environment; input if the
+  /// Needs the points kernel. Adds "pipeline" (first use), "gpu" and "probe" to `timings`. Errors: environment; input if the
   /// device ran out of loop rounds at some point.
   Result<std::vector<compiler::PointAnswer>> probe(std::span<const glm::dvec3> points, double time_ms = 0.0,
                                                    Timings* timings = nullptr);
 
   /// One picture. Needs the pixels kernel. Adds "pipeline" (first use for slices, for surfaces, for cut surfaces: the
-  /// driver's compilation included, by drawing 8x8 pixels) and "frame" to `timings`. A mesh drawn before is kept on the
+  /// driver's compilation included, by drawing 8x8 pixels) "gpu" and "frame" to `timings`. A mesh drawn before is kept on the
   /// device. Errors (input): views that cannot be drawn (sides times samples beyond 16384 or the device's limit, more
   /// than 64 cuts, a broken mesh or camera), pixels for which the device ran out of loop rounds; else environment.
   /// Memory: some 220 MiB on the device at most, whatever the size; the picture itself on the host.

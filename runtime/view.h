@@ -43,6 +43,7 @@ struct View {
   std::uint32_t samples = 1;         ///< per pixel along each axis, 1..16; the picture is the mean of samples^2
   bool want_regions = false;
   bool want_depth = false;
+  bool want_positions = false;
 };
 
 struct Picture {
@@ -51,6 +52,8 @@ struct Picture {
   std::vector<std::uint32_t> regions;  ///< if asked for; at sample (0, 0) of each pixel when samples > 1
   std::vector<float>
       depth;  ///< if asked for: distance along the view direction, root units (0 on a slice); infinity where empty
+  std::vector<glm::vec3>
+      positions;  ///< if asked for: the point evaluated at sample (0, 0), root coordinates; NaN where there is no surface
   std::size_t open_edges = 0;  ///< of the support mesh when cut: caps of an open mesh may leak
 };
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <glm/geometric.hpp>
 
 #include "support.h"
@@ -27,6 +28,23 @@ TEST_CASE("answers of points come back whole and in order") {
   }
   CHECK(wrong == 0);
   CHECK(must(evaluator.probe({})).empty());
+}
+
+TEST_CASE("the device's own time of points grows with their number, also after a picture") {
+  auto pictures = must(runtime::Evaluator::create(device(), program(Show::position)));
+  runtime::View view;
+  view.size_px = {64, 64};
+  must(pictures.render(view));
+  auto evaluator = must(runtime::Evaluator::create(device(), points_program(0.5f)));
+  const auto device_ms = [&](std::size_t count) {
+    runtime::Timings timings;
+    must(evaluator.probe(std::vector<glm::dvec3>(count, glm::dvec3(0.1)), 0.0, &timings));
+    const auto gpu = std::ranges::find(timings, runtime::gpu_step, &runtime::Timing::step);
+    REQUIRE(gpu != timings.end());
+    return gpu->ms;
+  };
+  device_ms(64);  // the driver's compilation is over
+  CHECK(device_ms(262'144) > 3.0 * device_ms(64));
 }
 
 TEST_CASE("a point that the device could not finish is an error that names it") {

@@ -33,7 +33,7 @@ double compare_with_rays(const View& view, const voml::Mesh& mesh, const Picture
   constexpr std::array<glm::dvec2, 5> offsets{
       glm::dvec2{0, 0}, {0.05, 0.05}, {-0.05, 0.05}, {0.05, -0.05}, {-0.05, -0.05}};
   const glm::dvec3 forward = glm::normalize(view.camera.look - view.camera.eye);
-  std::size_t borders = 0, wrong_cover = 0, wrong_depth = 0, off_plane = 0, wrong_region = 0, covered = 0;
+  std::size_t borders = 0, wrong_cover = 0, wrong_depth = 0, off_plane = 0, wrong_region = 0, covered = 0, wrong_position = 0;
   for (std::uint32_t y = 0; y < view.size_px.y; ++y) {
     for (std::uint32_t x = 0; x < view.size_px.x; ++x) {
       const std::size_t pixel = std::size_t{y} * view.size_px.x + x;
@@ -42,6 +42,10 @@ double compare_with_rays(const View& view, const voml::Mesh& mesh, const Picture
       const auto hit_count = std::ranges::count_if(hits, [](const auto& hit) { return hit.has_value(); });
       const bool is_covered = picture.rgba[4 * pixel + 3] != 0.0f;
       covered += is_covered ? 1 : 0;
+      if (!picture.positions.empty()) {
+        const glm::vec3& told = picture.positions[pixel];
+        wrong_position += is_covered ? told != glm::vec3(color_at(picture, pixel)) : !std::isnan(told.x);
+      }
       if (hit_count != 0 && hit_count != static_cast<long>(offsets.size())) {
         ++borders;
         continue;
@@ -68,6 +72,7 @@ double compare_with_rays(const View& view, const voml::Mesh& mesh, const Picture
   }
   CHECK(wrong_cover == 0);
   CHECK(wrong_depth == 0);
+  CHECK(wrong_position == 0);
   CHECK(wrong_region == 0);
   CHECK(off_plane == 0);
   CHECK(covered > 0);
@@ -79,7 +84,7 @@ void check_view(View view, const voml::Mesh& mesh, const std::string& name) {
   CAPTURE(name);
   const QuietValidation quiet;
   view.mesh = &mesh;
-  view.want_depth = view.want_regions = true;
+  view.want_depth = view.want_regions = view.want_positions = true;
   view.shading = runtime::Shading::none;
   const Picture positions = render(view, Show::position);
   CHECK(compare_with_rays(view, mesh, positions) < 0.05);
@@ -377,5 +382,9 @@ TEST_CASE("times are told: the driver's compilation once, the frame each time") 
   must(evaluator.render(view_from({3.0, 2.5, 4.0}), &timings));
   std::vector<std::string> steps;
   for (const runtime::Timing& timing : timings) steps.push_back(timing.step);
-  CHECK(steps == std::vector<std::string>{"upload", "pipeline", "frame", "frame"});
+  CHECK(steps == std::vector<std::string>{"upload", "pipeline", "gpu", "frame", "gpu", "frame"});
+  for (const std::size_t gpu : {std::size_t{2}, std::size_t{4}}) {
+    CHECK(timings[gpu].ms > 0.0);
+    CHECK(timings[gpu].ms <= timings[gpu + 1].ms);
+  }
 }

@@ -1,0 +1,82 @@
+#include "bench/gnuplot.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <system_error>
+#include <vector>
+
+#include "voml/files.h"
+
+extern char** environ;
+
+namespace dmvv::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string preamble(const std::string& path) {
+  const bool is_png = path.ends_with(".png");
+  std::string quoted_path;
+  for (const char c : path) quoted_path += c == '\'' ? std::string("''") : std::string(1, c);
+  return fmt::format("set encoding utf8\nset terminal {} size 900,520 noenhanced font 'DejaVu Sans,{}' background '#ffffff'\nset output '{}'\n",
+                     is_png ? "pngcairo" : "svg", is_png ? 11 : 13, quoted_path);
+}
+
+/// A file that is removed when it goes out of scope.
+struct Temporary {
+  std::string path;
+  ~Temporary() {
+    std::error_code ignored;
+    fs::remove(path, ignored);
+  }
+};
+
+}  // namespace
+
+Result<std::string> find_gnuplot() {
+  const char* const path = std::getenv("PATH");
+  std::istringstream folders(path ? path : "/usr/local/bin:/usr/bin:/bin");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const std::string program = (fs::path(folder.empty() ? "." : folder) / "gnuplot").string();
+    std::error_code ignored;
+    if (fs::is_regular_file(program, ignored) && access(program.c_str(), X_OK) == 0) return program;
+  }
+  return fail(Fault::environment, "plots are drawn by the program gnuplot, which is not there",
+              {"install it: apt-get install gnuplot-nox", "or leave --plots out: --json has every figure"});
+}
+
+Result<void> draw(const std::string& gnuplot, const Plot& plot, const std::string& path) {
+  const Temporary script{path + ".gp"}, log{path + ".log"};
+  if (auto written = write_file(script.path, preamble(path) + plot.script); !written) return written;
+
+  std::string program = gnuplot, script_path = script.path;
+  char* const arguments[] = {program.data(), script_path.data(), nullptr};
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, log.path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+  pid_t process = -1;
+  const int error = posix_spawn(&process, program.c_str(), &files, nullptr, arguments, environ);
+  posix_spawn_file_actions_destroy(&files);
+  if (error != 0) {
+    return fail(Fault::environment, fmt::format("cannot start '{}': {}", gnuplot, std::generic_category().message(error)));
+  }
+  int status = 0;
+  while (waitpid(process, &status, 0) == -1 && errno == EINTR) continue;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
+  Error failure{Fault::environment, fmt::format("gnuplot could not draw '{}'", plot.name), {}};
+  std::istringstream lines(disk_files()(log.path, 1 << 20).value_or(""));
+  for (std::string line; failure.reasons.size() < 10 && std::getline(lines, line);) failure.reasons.push_back("gnuplot: " + line);
+  return tl::unexpected(std::move(failure));
+}
+
+}  // namespace dmvv::bench

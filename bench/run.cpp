@@ -1,0 +1,274 @@
+#include "bench/run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "bench/memory.h"
+#include "bench/statistics.h"
+#include "bench/truth.h"
+
+namespace dmvv::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using compiler::Kernel;
+
+constexpr std::uint32_t large_batch = 1u << 18;  // one dispatch of Evaluator::probe
+constexpr std::uint32_t small_batch = 64;
+
+double since_ms(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+void add(std::vector<Step>& steps, const std::string& name, double ms) {
+  const auto known = std::ranges::find(steps, name, &Step::name);
+  if (known != steps.end()) {
+    known->ms.push_back(ms);
+  } else {
+    steps.push_back({name, {ms}});
+  }
+}
+
+/// Runs `body`, adds its time as a step and gives what it returns.
+template <class Body>
+auto timed(std::vector<Step>& steps, const char* name, Body body) {
+  const auto start = Clock::now();
+  auto result = body();
+  add(steps, name, since_ms(start));
+  return result;
+}
+
+double ms_of(const runtime::Timings& timings, std::string_view step) {
+  double ms = 0.0;
+  for (const runtime::Timing& timing : timings) ms += timing.step == step ? timing.ms : 0.0;
+  return ms;
+}
+
+compiler::CompileOptions compile_options(const Settings& settings, const runtime::DeviceInfo& device) {
+  compiler::CompileOptions options;
+  options.codegen = settings.codegen;
+  options.atlas_format = settings.atlas;
+  options.filter = settings.filter;
+  options.disabled_passes = settings.disabled_passes;
+  options.max_extent_3d = device.max_extent_3d;
+  options.max_storage_buffer = device.max_storage_buffer;
+  return options;
+}
+
+struct Built {
+  compiler::Program program;
+  runtime::Evaluator evaluator;
+};
+
+/// From text to the first picture (or, for Kernel::points, to an evaluator), as `dmvv render` does it.
+Result<Built> build(const SceneSource& source, const Settings& settings, Kernel kernel, const runtime::View* view,
+                    runtime::Device& device, std::vector<Step>& steps) {
+  Diagnostics diagnostics;
+  auto scene = timed(steps, "read", [&] {
+    return voml::read_scene(source.path, source.files, {source.root, false}, diagnostics);
+  });
+  if (!scene) return tl::unexpected(input_error(source.path, diagnostics));
+  auto program = timed(steps, "compile", [&]() -> std::optional<compiler::Program> {
+    auto module = compiler::lower(std::move(*scene), diagnostics);
+    if (!module) return std::nullopt;
+    return compiler::compile(std::move(*module), compile_options(settings, device.info()), diagnostics);
+  });
+  if (!program) return tl::unexpected(input_error(source.path, diagnostics));
+  const auto made = timed(steps, "SPIR-V", [&] { return compiler::to_spirv(*program, kernel); });
+  if (!made) return tl::unexpected(made.error());
+  auto evaluator =
+      timed(steps, "upload", [&] { return runtime::Evaluator::create(device, *program, nullptr); });
+  if (!evaluator) return tl::unexpected(evaluator.error());
+  if (view != nullptr) {
+    runtime::Timings timings;
+    const auto picture = evaluator->render(*view, &timings);
+    if (!picture) return tl::unexpected(picture.error());
+    add(steps, "pipeline", ms_of(timings, "pipeline"));
+  }
+  return Built{std::move(*program), std::move(*evaluator)};
+}
+
+Result<void> time_frames(runtime::Evaluator& evaluator, const runtime::View& view, const Effort& effort,
+                         Measurement& result) {
+  const auto start = Clock::now();
+  while (result.frame_ms.size() < effort.max_frames &&
+         (result.frame_ms.size() < effort.min_frames || since_ms(start) < effort.frames_ms)) {
+    runtime::Timings timings;
+    const auto picture = evaluator.render(view, &timings);
+    if (!picture) return tl::unexpected(picture.error());
+    result.frame_ms.push_back(ms_of(timings, "frame"));
+    const bool has_gpu = std::ranges::any_of(timings, [](const auto& t) { return t.step == runtime::gpu_step; });
+    if (has_gpu) result.gpu_ms.push_back(ms_of(timings, runtime::gpu_step));
+  }
+  return {};
+}
+
+/// The region numbers and colours of one picture against the reference at the very points it evaluated.
+Result<void> measure_pixels(runtime::Evaluator& evaluator, Truth& truth, const Effort& effort, Measurement& result) {
+  runtime::View view = truth.view(effort.error_size_px);
+  view.shading = runtime::Shading::none;
+  view.want_regions = view.want_positions = true;
+  const auto picture = evaluator.render(view);
+  if (!picture) return tl::unexpected(picture.error());
+  const PixelErrors errors = compare_pixels(truth.at_positions(picture->positions, result.what.settings.filter), *picture);
+  result.pixels = errors.regions;
+  result.color_rmse = errors.rmse;
+  return {};
+}
+
+/// The colours of a slice with some samples a pixel against those of very many.
+Result<void> measure_sampling(runtime::Evaluator& evaluator, Truth& truth, const Case& what, Measurement& result) {
+  runtime::View view = truth.view(what.effort.error_size_px);
+  view.samples = what.settings.samples;
+  const auto picture = evaluator.render(view);
+  if (!picture) return tl::unexpected(picture.error());
+  const auto& expected = truth.mean_colors(*view.slice, view.size_px, what.effort.truth_samples);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    for (int channel = 0; channel < 3; ++channel) {
+      const double difference = picture->rgba[4 * i + static_cast<std::size_t>(channel)] - expected[i][channel];
+      squares += difference * difference;
+    }
+  }
+  result.color_rmse = std::sqrt(squares / (3.0 * static_cast<double>(expected.size())));
+  return {};
+}
+
+Result<void> measure_shape(runtime::Evaluator& evaluator, const compiler::Program& program, const Shape& shape,
+                           Measurement& result) {
+  const auto inside = [&](std::span<const glm::dvec3> points) -> Result<std::vector<char>> {
+    const auto answers = evaluator.probe(points);
+    if (!answers) return tl::unexpected(answers.error());
+    std::vector<char> sides;
+    sides.reserve(points.size());
+    for (const compiler::PointAnswer& answer : *answers) {
+      sides.push_back(!answer.path.empty() && program.regions[answer.path.back().region].region == "R.INSIDE" ? 1 : 0);
+    }
+    return sides;
+  };
+  const auto found = measure_displacement(shape.surface, inside, shape.reach);
+  if (!found) return tl::unexpected(found.error());
+  result.displacement = *found;
+  return {};
+}
+
+/// Cost of a point: the kernel `points` on a large batch, less that on a small one.
+Result<void> time_points(runtime::Evaluator& evaluator, Truth& truth, const Effort& effort, Measurement& result) {
+  // Pixel centres of a slice row by row, as pictures have them: neighbours in a dispatch are neighbours in space.
+  const runtime::SliceFrame frame = runtime::slice_frame(runtime::Plane{{0.0, 0.0, 1.0}, 0.05}, {512, 512});
+  std::vector<glm::dvec3> points;
+  for (std::uint32_t i = 0; i < large_batch; ++i) {
+    points.push_back(frame.origin + static_cast<double>(i % 512) * frame.step_x + static_cast<double>(i / 512) * frame.step_y);
+  }
+  const auto kernel_ms = [&](std::uint32_t count) -> Result<double> {
+    runtime::Timings timings;
+    const auto answers = evaluator.probe(std::span(points).first(count), truth.source().time_ms, &timings);
+    if (!answers) return tl::unexpected(answers.error());
+    const double gpu_ms = ms_of(timings, runtime::gpu_step);
+    return gpu_ms > 0.0 ? gpu_ms : ms_of(timings, "probe");
+  };
+  const auto start = Clock::now();
+  for (std::uint32_t round = 0; round <= effort.probe_rounds; ++round) {
+    const auto small = kernel_ms(small_batch);
+    if (!small) return tl::unexpected(small.error());
+    const auto large = kernel_ms(large_batch);
+    if (!large) return tl::unexpected(large.error());
+    if (round != 0) result.point_ns.push_back(1e6 * (*large - *small) / (large_batch - small_batch));
+    if (round != 0 && since_ms(start) > effort.frames_ms) break;
+  }
+  return {};
+}
+
+Result<void> measure(runtime::Device& device, Truth& truth, Measurement& result) {
+  const Case& what = result.what;
+  runtime::View view = truth.view(what.size_px);
+  view.samples = what.settings.samples;
+
+  // ---- builds, the first with its memory ----
+  std::optional<Built> built;
+  for (std::uint32_t i = 0; i < std::max(1u, what.effort.builds); ++i) {
+    built.reset();
+    const PeakMemory memory;
+    auto made = build(truth.source(), what.settings, Kernel::pixels, &view, device, result.steps);
+    if (!made) return tl::unexpected(made.error());
+    if (i == 0) result.peak_bytes = memory.bytes().value_or(0);
+    built.emplace(std::move(*made));
+  }
+  result.statistics = built->program.statistics;
+  result.upload_bytes = result.statistics.buffer_bytes + result.statistics.texture_bytes;
+  if (view.slice) result.pixel_pitch = glm::length(runtime::slice_frame(*view.slice, view.size_px).step_x);
+
+  // ---- pictures ----
+  if (const auto done = time_frames(built->evaluator, view, what.effort, result); !done) return done;
+  if (what.effort.truth_samples != 0) {
+    if (const auto done = measure_sampling(built->evaluator, truth, what, result); !done) return done;
+  } else if (what.effort.error_size_px.x != 0) {
+    if (const auto done = measure_pixels(built->evaluator, truth, what.effort, result); !done) return done;
+  }
+
+  // ---- points ----
+  if (what.effort.points == 0 && what.effort.probe_rounds == 0 && !what.shape) return {};
+  if (const auto made = compiler::to_spirv(built->program, Kernel::points); !made) return made;
+  auto evaluator = runtime::Evaluator::create(device, built->program);
+  if (!evaluator) return tl::unexpected(evaluator.error());
+  built->evaluator = std::move(*evaluator);
+  if (what.effort.points != 0) {
+    const auto answers = built->evaluator.probe(truth.points(what.effort.points), truth.source().time_ms);
+    if (!answers) return tl::unexpected(answers.error());
+    result.points = compare_points(truth.at_points(what.effort.points, what.settings.filter), *answers);
+  }
+  if (what.shape) {
+    if (const auto done = measure_shape(built->evaluator, built->program, *what.shape, result); !done) return done;
+  }
+  return what.effort.probe_rounds != 0 ? time_points(built->evaluator, truth, what.effort, result) : Result<void>{};
+}
+
+std::string one_line(const Error& error) {
+  return error.reasons.empty() ? error.message : error.message + ": " + error.reasons.front();
+}
+
+}  // namespace
+
+double Measurement::build_ms() const {
+  double sum = 0.0;
+  for (const Step& step : steps) sum += median(step.ms);
+  return sum;
+}
+
+std::vector<double> samples_of(const Measurement& measurement, const std::string& step) {
+  const auto found = std::ranges::find(measurement.steps, step, &Step::name);
+  return found == measurement.steps.end() ? std::vector<double>{} : found->ms;
+}
+
+std::vector<Measurement> run_cases(runtime::Device& device, const std::vector<Case>& cases, const RunOptions& options) {
+  const auto start = Clock::now();
+  std::vector<Measurement> results;
+  std::string scene_key;
+  Result<std::unique_ptr<Truth>> truth = fail(Fault::input, "no scene");
+  for (const Case& what : cases) {
+    if (options.progress) options.progress(what);
+    Measurement result;
+    result.what = what;
+    if (options.budget_s > 0.0 && since_ms(start) > 1e3 * options.budget_s) {
+      result.failure = "left out: the time for this run was over";
+    } else {
+      if (what.scene_key != scene_key) {
+        truth = fail(Fault::input, "no scene");  // the last scene's memory goes first
+        truth = Truth::create(what.scene());
+        scene_key = what.scene_key;
+      }
+      if (!truth) {
+        result.failure = one_line(truth.error());
+      } else {
+        if (what.needs_grids && !(*truth)->has_grids()) continue;
+        if (const auto done = measure(device, **truth, result); !done) result.failure = one_line(done.error());
+      }
+    }
+    results.push_back(std::move(result));
+  }
+  return results;
+}
+
+}  // namespace dmvv::bench

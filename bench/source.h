@@ -1,0 +1,26 @@
+// Where a scene of the benchmark comes from: files on disk, or texts made here.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "runtime/view.h"
+#include "voml/files.h"
+
+namespace dmvv::bench {
+
+/// A scene and how to look at it.
+struct SceneSource {
+  std::string name;
+  std::string path;  ///< of the VOML file, for `files`
+  ReadFile files;
+  std::string root;       ///< empty: the scene's last object
+  std::string mesh_path;  ///< support mesh; empty: the standard cube
+  std::vector<runtime::Plane> cuts;
+  std::optional<runtime::Camera> camera;  ///< none: one that frames the mesh
+  std::optional<runtime::Plane> slice;    ///< a section instead of a perspective picture
+  double time_ms = 0.0;
+};
+
+}  // namespace dmvv::bench

@@ -1,0 +1,165 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "bench/report.h"
+#include "bench/text_table.h"
+
+namespace dmvv::bench {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+std::string fraction(const std::optional<RegionErrors>& errors) {
+  return errors ? number(errors->wrong_fraction()) : "-";
+}
+
+/// Points that the reference is not certain of are not compared: their share.
+std::string uncertain(const std::optional<RegionErrors>& errors) {
+  if (!errors || errors->compared + errors->uncertain == 0) return "-";
+  return number(static_cast<double>(errors->uncertain) / static_cast<double>(errors->compared + errors->uncertain));
+}
+
+std::string mib(std::uint64_t bytes) { return number(static_cast<double>(bytes) / 1048576.0); }
+
+bool fine(const Measurement& m, const std::string& section) { return m.what.section == section && m.failure.empty(); }
+
+std::string heading(const std::string& title, const TextTable& table, const std::string& below = {}) {
+  return table.empty() ? std::string() : fmt::format("{}\n{}{}\n", title, table.text(), below);
+}
+
+std::vector<std::string> series_of(const Report& report, const std::string& section) {
+  std::vector<std::string> names;
+  for (const Measurement& m : report.measurements) {
+    if (fine(m, section) && std::ranges::find(names, m.what.series) == names.end()) names.push_back(m.what.series);
+  }
+  return names;
+}
+
+std::string boundaries(const Report& report) {
+  std::string text;
+  for (const std::string& shape : series_of(report, "boundary")) {
+    TextTable table({"setting", "samples", "max", "RMS", "max", "RMS", "wrong px", "colour", "point", "frame"},
+                    {"", "a side", "units", "units", "px", "px", "of 1", "RMSE", "ns", "ms"});
+    for (const Measurement& m : report.measurements) {
+      if (!fine(m, "boundary") || m.what.series != shape || !m.displacement) continue;
+      const Displacement& d = *m.displacement;
+      table.add({m.what.variant, fmt::format("{:.0f}", m.what.parameter->value), number(d.max), number(d.rms),
+                 number(d.max / m.pixel_pitch.value_or(nan)), number(d.rms / m.pixel_pitch.value_or(nan)),
+                 fraction(m.pixels), number(m.color_rmse.value_or(nan)), number(median(m.point_ns)),
+                 number(median(m.frame_ms))});
+    }
+    text += heading(fmt::format("A {}: how far the drawn boundary lies from the true one (px: of a 512 px slice)", shape), table);
+  }
+  return text;
+}
+
+std::string fits(const Report& report) {
+  TextTable table({"series", "quantity", "against", "from", "to", "exponent", "expected", "holds"}, {"", "", "", "", "", "", "", ""});
+  for (const Fit& fit : report.fits) {
+    table.add({fit.series, fit.quantity, fit.parameter == "resolution" ? "step" : fit.parameter,
+               fmt::format("{:.0f}", fit.from), fmt::format("{:.0f}", fit.to), fmt::format("{:.2f}", fit.law.exponent),
+               fit.expected ? fmt::format("{:.1f}+-{:.1f}", *fit.expected, fit.tolerance) : "-",
+               fit.expected ? (fit.holds() ? "yes" : "NO") : "-"});
+  }
+  return heading("Exponents (least squares in the logarithms)", table);
+}
+
+std::string samples(const Report& report) {
+  TextTable table({"samples a pixel", "colour RMSE", "frame", "p95", "gpu"}, {"", "of 1", "ms", "ms", "ms"});
+  for (const Measurement& m : report.measurements) {
+    if (!fine(m, "samples")) continue;
+    const double n = m.what.parameter->value;
+    table.add({fmt::format("{:.0f} x {:.0f}", n, n), number(m.color_rmse.value_or(nan)), number(median(m.frame_ms)),
+               number(quantile(m.frame_ms, 0.95)), number(median(m.gpu_ms))});
+  }
+  return heading("Samples: the colours of a slice against 16 x 16 reference samples a pixel", table);
+}
+
+std::string growth(const Report& report) {
+  TextTable table({"growing", "to", "build", "frame", "p95", "gpu", "point", "upload", "peak", "wrong"},
+                  {"", "", "ms", "ms", "ms", "ms", "ns", "MiB", "MiB", "points"});
+  for (const Measurement& m : report.measurements) {
+    if (!fine(m, "growth")) continue;
+    table.add({fmt::format("{}, {}", m.what.series, m.what.variant), number(m.what.parameter->value),
+               number(m.build_ms()), number(median(m.frame_ms)), number(quantile(m.frame_ms, 0.95)),
+               number(median(m.gpu_ms)), number(median(m.point_ns)), mib(m.upload_bytes), mib(m.peak_bytes),
+               fraction(m.points)});
+  }
+  return heading("Growth (640x360 unless the picture grows)", table);
+}
+
+std::string scenes(const Report& report, const std::string& section) {
+  std::string text;
+  for (const std::string& scene : series_of(report, section)) {
+    TextTable table({"setting", "build", "frame", "p95", "gpu", "point", "upload", "peak", "wrong", "wrong", "unsure"},
+                    {"", "ms", "ms", "ms", "ms", "ns", "MiB", "MiB", "points", "pixels", "pixels"});
+    for (const Measurement& m : report.measurements) {
+      if (!fine(m, section) || m.what.series != scene) continue;
+      table.add({m.what.variant, number(m.build_ms()), number(median(m.frame_ms)), number(quantile(m.frame_ms, 0.95)),
+                 number(median(m.gpu_ms)), number(median(m.point_ns)), mib(m.upload_bytes), mib(m.peak_bytes),
+                 fraction(m.points), fraction(m.pixels), uncertain(m.pixels)});
+    }
+    text += heading(fmt::format("{}, with every setting", scene), table);
+  }
+  return text;
+}
+
+/// The columns of the thesis' table 4.1, its figures and ours.
+std::string thesis(const Report& report) {
+  TextTable table({"object", "embedded", "build", "avg.", "wrong", "wrong", "thesis:", "build", "build", "fps", "fps"},
+                  {"", "objects", "s", "fps", "points", "pixels", "objects", "laptop", "desktop", "laptop", "desktop"});
+  for (const Measurement& m : report.measurements) {
+    if (!fine(m, "thesis")) continue;
+    const ThesisFigures& figures = *m.what.thesis;
+    table.add({fmt::format("{}, {}", m.what.series, m.what.variant), fmt::format("{}", m.statistics.candidates),
+               number(1e-3 * m.build_ms()), number(1e3 / median(m.frame_ms)), fraction(m.points), fraction(m.pixels),
+               fmt::format("{}", figures.objects), number(figures.build_s_laptop), number(figures.build_s_desktop),
+               number(figures.fps_laptop), number(figures.fps_desktop)});
+  }
+  return heading("Table 4.1 of the thesis: ours, and its own", table,
+                 "  The thesis: GeForce GT 540M, i7-2670QM (laptop), GTX TITAN, i7 960 (desktop); frame size unknown, moving\n"
+                 "  camera. Its scenes were not published; ours have their structure. Our fps: one standing picture.\n");
+}
+
+std::string stress(const Report& report) {
+  TextTable table({"stress case", "measured", "bound", "unit", "held"}, {"", "", "", "", ""});
+  std::string details;
+  for (const StressFigure& f : report.stress) {
+    table.add({f.name, number(f.measured), (f.at_least ? ">= " : "<= ") + number(f.bound), f.unit, f.held ? "yes" : "NO"});
+    if (!f.held && !f.detail.empty()) details += fmt::format("  {}: {}\n", f.name, f.detail);
+  }
+  return heading("Stress: figures that have a bound", table, details);
+}
+
+std::string failures(const Report& report) {
+  std::string text;
+  for (const Missing& missing : report.missing) text += fmt::format("  {}: {}\n", missing.scene, missing.reason);
+  for (const Measurement& m : report.measurements) {
+    if (!m.failure.empty()) text += fmt::format("  {}: {}\n", m.what.id, m.failure);
+  }
+  return text.empty() ? text : "Not measured\n" + text + '\n';
+}
+
+}  // namespace
+
+std::string to_table(const Report& report) {
+  const Machine& m = report.machine;
+  std::string text = fmt::format("dmvv {} on {}, {}\n{}, {} cores, load {:.2f}; {}, glslang {}\n\n", m.dmvv, m.device, m.driver,
+                                 m.cpu, m.cores, m.load, m.compiler, m.glslang);
+  text += boundaries(report);
+  text += samples(report);
+  text += growth(report);
+  text += scenes(report, "scene");
+  text += stress(report);
+  text += thesis(report);
+  text += fits(report);
+  text += failures(report);
+  text += "0 is exactly none. Wrong: share of the reference's certain answers that the device contradicts;\n"
+          "unsure: share that it is not certain of. p95, gpu: of the frames. point: one evaluation.\n"
+          "peak: memory beyond what was there before.\n";
+  return text;
+}
+
+}  // namespace dmvv::bench

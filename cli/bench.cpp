@@ -1,0 +1,209 @@
+// dmvv bench [SCENE...] --json FILE --plots DIR: run time and error of many settings, side by side.
+#include "bench/report.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/App.hpp>
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+
+#include "bench/gnuplot.h"
+#ifdef DMVV_HAS_STRESS
+#include "bench/stress.h"
+#endif
+#include "cli/commands.h"
+#include "cli/outputs.h"
+#include "cli/progress.h"
+#include "cli/view_options.h"
+
+namespace dmvv::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double quick_budget_s = 36.0;  // one case that has begun may still take some seconds
+constexpr double budget_s = 540.0;
+
+struct BenchOptions {
+  std::vector<std::string> scenes;
+  std::string set = "standard";
+  bool quick = false;
+  std::string json;
+  std::string plots;
+  std::string plot_format = "svg";
+  std::string examples;
+  bool driver_cache = false;
+  ViewOptions view;
+  double time_ms = 0.0;
+  DeviceChoice device;
+};
+
+/// build/bin/dmvv -> build/examples
+std::string default_examples() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  return error ? "examples" : (program.parent_path().parent_path() / "examples").string();
+}
+
+/// The user's scenes with the view options; a known example is looked at as its own page does.
+std::vector<bench::SceneSource> sources(const BenchOptions& options) {
+  const runtime::View view = parse_view(options.view);
+  std::vector<bench::SceneSource> scenes;
+  for (const std::string& path : options.scenes) {
+    bench::SceneSource source;
+    source.name = fs::path(path).stem().string();
+    const auto same = std::ranges::count(scenes, source.name, &bench::SceneSource::name);
+    if (same != 0) source.name = path;
+    source.path = path;
+    source.files = disk_files();
+    source.mesh_path = options.view.mesh;
+    source.cuts = view.cuts;
+    if (!options.view.camera.empty()) source.camera = view.camera;
+    source.time_ms = options.time_ms;
+    scenes.push_back(std::move(source));
+  }
+  return scenes;
+}
+
+bench::PlanOptions plan_options(const BenchOptions& options) {
+  const auto& sets = bench::set_names();
+  if (std::ranges::find(sets, options.set, &bench::SetName::name) == sets.end()) {
+    std::vector<std::string> reasons;
+    for (const auto& set : sets) reasons.push_back(fmt::format("{:<12} {}", set.name, set.what));
+    fail_usage(fmt::format("--set: unknown set '{}'", options.set), std::move(reasons));
+  }
+  bench::PlanOptions plan;
+  plan.set = options.set;
+  plan.quick = options.quick;
+  plan.examples = options.examples.empty() ? default_examples() : options.examples;
+  plan.scenes = sources(options);
+  plan.size_px = parse_view(options.view).size_px;
+  return plan;
+}
+
+/// Makes the folder of the plots; its parent must be there.
+void make_folder(const std::string& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) return;
+  fs::create_directory(path, error);
+  if (error) fail_with({Fault::input, fmt::format("cannot make the folder '{}': {}", path, error.message()), {}});
+}
+
+void write(const BenchOptions& options, const std::string& gnuplot, const bench::Report& report) {
+  Outputs outputs;
+  if (!options.json.empty()) {
+    outputs.announce(options.json, {".json"});
+    outputs.write_bytes(options.json, bench::to_json(report));
+  }
+  if (!options.plots.empty()) {
+    for (const bench::Plot& plot : bench::make_plots(report)) {
+      const std::string path = (fs::path(options.plots) / (plot.name + '.' + options.plot_format)).string();
+      outputs.announce(path);
+      outputs.write(path, [&](const std::string& temporary) { return bench::draw(gnuplot, plot, temporary); });
+    }
+  }
+  outputs.commit();
+}
+
+/// The stress cases, where this build has them.
+std::vector<bench::StressFigure> run_stress([[maybe_unused]] runtime::Device& device, [[maybe_unused]] bool quick) {
+#ifdef DMVV_HAS_STRESS
+  std::vector<bench::StressFigure> figures;
+  for (stress::Case& c : must(stress::run(device, {.long_form = !quick}))) {
+    figures.push_back({std::move(c.name), std::move(c.what), c.measured, c.bound, c.at_least, std::move(c.unit),
+                       std::move(c.detail), c.held});
+  }
+  return figures;
+#else
+  fail_usage("--set stress: this build has no stress cases");
+#endif
+}
+
+int bench_command(const BenchOptions& options, Context& context) {
+  // What can be refused is refused before the work.
+  const bench::PlanOptions plan_of = plan_options(options);
+  if (options.plot_format != "svg" && options.plot_format != "png") {
+    fail_usage(fmt::format("--plot-format: unknown format '{}'", options.plot_format), {"use svg or png"});
+  }
+  if (!options.json.empty()) Outputs().announce(options.json, {".json"});
+  std::string gnuplot;
+  if (!options.plots.empty()) {
+    gnuplot = must(bench::find_gnuplot());
+    make_folder(options.plots);
+  }
+  for (const bench::SceneSource& scene : plan_of.scenes) must(disk_files()(scene.path, std::uint64_t{4} << 30));
+  const bench::Plan plan = bench::make_plan(plan_of);
+
+  // Nothing is taken from a cache: a pipeline that an earlier run compiled would cost nothing.
+  runtime::Device device = must(runtime::Device::create(
+      {.name = options.device.name, .validation = options.device.validation, .driver_cache = options.driver_cache}));
+  context.stopwatch.lap("device");
+  bench::Report report;
+  report.set = options.scenes.empty() ? options.set : "scenes";
+  report.quick = options.quick;
+  report.machine = bench::this_machine(device.info());
+  report.missing = plan.missing;
+  const auto start = std::chrono::steady_clock::now();
+  {
+    ProgressBar bar("bench", plan.cases.size(), 0, context.quiet);
+    bool first = true;
+    bench::RunOptions run;
+    run.budget_s = options.quick ? quick_budget_s : options.scenes.empty() && options.set == "standard" ? budget_s : 0.0;
+    run.progress = [&](const bench::Case&) {
+      if (!first) bar.advance();
+      first = false;
+    };
+    report.measurements = bench::run_cases(device, plan.cases, run);
+  }
+  if (report.set == "stress") report.stress = run_stress(device, options.quick);
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.fits = bench::fit_series(report.measurements);
+  context.stopwatch.lap("bench");
+
+  if (const int exit_code = exit_code_of(device); exit_code != exit_done) return exit_code;
+  write(options, gnuplot, report);
+  print_result(bench::to_table(report));
+  return exit_done;
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, Invocation& invocation) {
+  auto options = std::make_shared<BenchOptions>();
+  options->view.size = "640x360";
+  CLI::App& command = *app.add_subcommand("bench", "Measure run time and error of every setting, side by side");
+  command.add_option("SCENE", options->scenes, "VOML files, measured with every setting; none: a set")->type_name("");
+  command.add_option("--set", options->set, "standard (default), thesis, stress or speed-later")->type_name("NAME");
+  command.add_flag("--quick", options->quick, "Fewer cases, less certain figures: ends within 50 s");
+  command.add_option("--json", options->json, "Write every figure and sample: .json")->type_name("FILE");
+  command.add_option("--plots", options->plots, "Draw plots into a folder (needs gnuplot)")->type_name("DIR");
+  command.add_option("--plot-format", options->plot_format, "svg (default) or png")->type_name("FORMAT");
+  command.add_option("--examples", options->examples, "Folder of the built examples; default: build/examples of this program")
+      ->type_name("DIR");
+  command.add_option("--mesh", options->view.mesh, "Support mesh of the scenes given; default: the standard cube")->type_name("FILE");
+  command.add_option("--cut", options->view.cuts, "\"NX NY NZ D\" takes away n.x > D of the scenes given (repeatable)")
+      ->type_name("PLANE")
+      ->allow_extra_args(false);
+  command.add_option("--camera", options->view.camera, "\"eye X Y Z look X Y Z fov DEGREES\" of the scenes given")->type_name("TEXT");
+  command.add_option("--size", options->view.size, "Timed frames of the scenes given; default 640x360")->type_name("WxH");
+  add_time_option(command, options->time_ms);
+  command.add_option("--device", options->device.name, "Vulkan device whose name holds NAME (any case); default: the best one")
+      ->type_name("NAME");
+  command.add_flag("--validation", options->device.validation,
+                   "Switch the Khronos validation layer on; its messages make the exit code 2");
+  command.add_flag("--driver-cache", options->driver_cache, "Let the driver's shader cache speed pipelines up");
+  add_common_options(command, invocation.context);
+  command.footer(
+      "Examples:  dmvv bench --json bench.json --plots plots\n"
+      "           dmvv bench --quick --set thesis\n"
+      "           dmvv bench scene.voml --mesh body.ply --cut \"0 0 1 0\" --json scene.json\n"
+      "How to read what it prints: bench/README.md.");
+  command.callback([&invocation, options] {
+    invocation.command = [options](Context& context) { return bench_command(*options, context); };
+  });
+}
+
+}  // namespace dmvv::cli

@@ -1,0 +1,61 @@
+// dmvv bench as a user calls it; what it measures is tested in tests/bench.
+#include <doctest/doctest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/cli/program.h"
+#include "tests/cli/scenes.h"
+
+using namespace dmvv::test;
+using nlohmann::json;
+
+TEST_CASE("a scene is measured with every setting: table, JSON and plots") {
+  const Folder folder;
+  const std::string scene = folder.write("nested.voml", nested_cubes);
+  const Run run = run_dmvv({"bench", scene, "--quick", "--size", "64x64", "--json", folder.file("b.json"), "--plots",
+                            folder.file("plots"), "--validation"});
+  CAPTURE(run.err);
+  REQUIRE(run.exit_code == 0);
+  CHECK(run.out.find("nested, with every setting") != std::string::npos);
+  std::istringstream lines(run.out);
+  for (std::string line; std::getline(lines, line);) CHECK_MESSAGE(line.size() <= 100, line);
+
+  const json result = json::parse(folder.read("b.json"));
+  CHECK(result["set"] == "scenes");
+  std::vector<std::string> variants;
+  for (const json& entry : result["runs"]) {
+    CAPTURE(entry["id"]);
+    variants.push_back(entry["variant"]);
+    CHECK(entry["failure"].is_null());
+    // No distance grid is in the scene, so even the thesis' form is right.
+    CHECK(entry["errors"]["points"]["wrong"] == 0);
+    CHECK(entry["errors"]["pixels"]["wrong"] == 0);
+    CHECK(entry["errors"]["pixels"]["compared"] > 1000);
+    CHECK(entry["times_ms"]["frame"]["median"] > 0);
+    CHECK(entry["peak_bytes"] > 0);
+  }
+  CHECK(variants == std::vector<std::string>{"specialised", "table", "thesis", "no merge-assets", "no prune-sides",
+                                             "no drop-unreachable", "no index", "no fold-affine", "no box-tests"});
+  const std::string plot = folder.read("plots/settings_nested.svg");
+  CHECK(plot.find("<svg") != std::string::npos);
+  CHECK(plot.find("frame of") != std::string::npos);
+  CHECK(folder.listing().size() == 4);  // scene, JSON, folder, plot
+}
+
+TEST_CASE("what cannot be measured is refused before the work") {
+  const Folder folder;
+  const Run set = run_dmvv({"bench", "--set", "fast"});
+  CHECK(set.exit_code == 2);
+  CHECK(set.err.find("unknown set 'fast'") != std::string::npos);
+  CHECK(set.err.find("speed-later") != std::string::npos);
+  const Run scene = run_dmvv({"bench", folder.file("none.voml"), "--json", folder.file("b.json")});
+  CHECK(scene.exit_code == 1);
+  CHECK(scene.err.find("none.voml") != std::string::npos);
+  const Run ending = run_dmvv({"bench", "--json", folder.file("b.txt")});
+  CHECK(ending.exit_code == 1);
+  const Run missing = run_dmvv({"bench", "--set", "thesis", "--examples", folder.file("no"), "--quick"});
+  CHECK(missing.exit_code == 0);
+  CHECK(missing.out.find("skin: not there yet") != std::string::npos);
+  CHECK(folder.listing().empty());
+}
