@@ -7,6 +7,7 @@
 #include "voml/grid.h"
 #include "voml/image_file.h"
 #include "voml/limits.h"
+#include "voml/picture_bytes.h"
 #include "voml/text.h"
 
 namespace dmvv::voml {
@@ -27,7 +28,10 @@ std::vector<glm::u8vec4> to_texels(const Image8& image) {
   return texels;
 }
 
-std::optional<Bitmap> parse(std::string_view bytes, const std::string& path, Span named_at, Diagnostics& diagnostics) {
+/// No format packs more pixels into a byte: the best are deflate with 1032 bytes a byte, of pictures with a bit a pixel.
+constexpr std::uint64_t most_pixels_per_byte = 1032 * 8;
+
+std::optional<Bitmap> parse(std::string_view given, const std::string& path, Span named_at, Diagnostics& diagnostics) {
   const auto refuse = [&](Code code, std::string_view why) {
     diagnostics.report(code, named_at, fmt::format("bitmap {}: {}", in_quotes(path), why));
     return std::nullopt;
@@ -35,6 +39,10 @@ std::optional<Bitmap> parse(std::string_view bytes, const std::string& path, Spa
   const auto undecodable = [&](const Error& error) {
     return refuse(Code::bitmap_unreadable, fmt::format("it cannot be decoded: {}", error.message));
   };
+  std::string storage;
+  const auto decodable = decodable_bytes(given, storage);
+  if (!decodable) return undecodable(decodable.error());
+  const std::string_view bytes = *decodable;
   const auto info = inspect_image(bytes, path);
   if (!info) return undecodable(info.error());
   if (info->depth > 1 || info->height != info->width * info->width) {
@@ -44,6 +52,10 @@ std::optional<Bitmap> parse(std::string_view bytes, const std::string& path, Spa
   }
   if (info->width > max_bitmap_edge) {
     return refuse(Code::bitmap_size, fmt::format("it has n = {}, at most {} is allowed", info->width, max_bitmap_edge));
+  }
+  if (info->width * info->height > bytes.size() * most_pixels_per_byte) {
+    return refuse(Code::bitmap_unreadable, fmt::format("it cannot be decoded: its {} bytes are too few for {} x {} pixels",
+                                                       bytes.size(), info->width, info->height));
   }
   constexpr std::uint64_t most_texels = std::uint64_t{max_bitmap_edge} * max_bitmap_edge * max_bitmap_edge;
   const auto image = decode_image(bytes, path, 4 * most_texels);

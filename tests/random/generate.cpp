@@ -139,7 +139,8 @@ class Generator {
   Grid grid() {
     Grid made;
     made.shape = static_cast<Grid::Shape>(random_.below(random_.chance(0.1) ? 6 : 5));
-    made.size = {1 + random_.below(9), 1 + random_.below(9), 1 + random_.below(9)};
+    const std::uint32_t most = random_.chance(0.06) ? 33 : 9;
+    made.size = {1 + random_.below(most), 1 + random_.below(most), 1 + random_.below(most)};
     if (random_.chance(0.35)) {
       for (int axis = 0; axis < 3; ++axis) {
         made.box_lo[axis] = static_cast<float>(number(-0.1, 0.4));

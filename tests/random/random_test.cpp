@@ -19,13 +19,14 @@ runtime::Device open_device() {
   return std::move(*device);
 }
 
-/// The first scene from `seed` on that has a fault when `tamper` is at work, made small.
+/// The first scene of moderate size from `seed` on that has a fault when `tamper` is at work, made small.
 Shrunk found_with(const Tamper& tamper, std::uint64_t seed) {
   runtime::Device device = open_device();
   Counts counts;
   const CheckOptions options{40, false, tamper};
   for (;; ++seed) {
     const Scene scene = generate(seed, {});
+    if (size(scene) > 60) continue;
     if (const auto fault = check(device, scene, seed, options, counts)) {
       CHECK(fault->kind == tests::random_scenes::Fault::Kind::answer);
       return shrink_fault(device, scene, seed, *fault, options);

@@ -64,6 +64,22 @@ TEST_CASE("the content tells the format, not the name") {
   CHECK(bitmap->texels[7] == glm::u8vec4(50, 150, 7, 255));
 }
 
+TEST_CASE("segments of a JPEG file that say nothing of its pixels do not count") {
+  const std::string whole = test::picture(2, 4, 3, columns_and_rows(3), "jpg");
+  const auto plain = parse(whole, "b.jpg");
+  REQUIRE(plain);
+  // APP13, "Photoshop 3.0" without its zero, and a comment, behind SOI.
+  std::string with_segments = whole;
+  with_segments.insert(
+      2, "\xff\xed" + std::string("\0\x0f", 2) + "Photoshop 3.0\xff\xfe" + std::string("\0\x04", 2) + "no");
+  const auto bitmap = parse(with_segments, "b.jpg");
+  REQUIRE(bitmap);
+  CHECK(bitmap->texels == plain->texels);
+  std::string messages;
+  CHECK_FALSE(parse(whole.substr(0, 40), "b.jpg", &messages));
+  CHECK(messages.find("the JPEG file ends too early") != std::string::npos);
+}
+
 TEST_CASE("wrong sizes are refused naming both numbers, oversized ones before they are decoded") {
   std::string messages;
   CHECK_FALSE(parse(test::picture(4, 4), "b.png", &messages));
@@ -76,12 +92,29 @@ TEST_CASE("wrong sizes are refused naming both numbers, oversized ones before th
   bomb.resize(54);
   CHECK_FALSE(parse(bomb, "b.bmp", &messages));
   CHECK(messages.find("error[E0511]: bitmap 'b.bmp': it has n = 1025, at most 1024 is allowed") == 0);
+  // 1024 x 1024^2 are allowed, but never in 54 bytes.
+  bomb.replace(18, 8, std::string("\0\x04\0\0\0\0\x10\0", 8));
+  CHECK_FALSE(parse(bomb, "b.bmp", &messages));
+  CHECK(messages.find("its 54 bytes are too few for 1024 x 1048576 pixels") != std::string::npos);
 }
 
 TEST_CASE("broken and foreign files are refused with a reason") {
   const std::string whole = test::picture(2, 4);
   for (std::size_t length = 0; length < whole.size(); ++length) CHECK_FALSE(parse(whole.substr(0, length), "b.png"));
   std::string messages;
+  std::string damaged = whole;
+  damaged[damaged.find("IDAT") + 6] ^= 1;
+  CHECK_FALSE(parse(damaged, "b.png", &messages));
   CHECK_FALSE(parse("just text", "b.txt", &messages));
   CHECK(messages.find("error[E0510]: bitmap 'b.txt': it cannot be decoded: ") == 0);
+  std::string indexed("BM\0\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\x01\0\0\0\x01\0\0\0\x01\0\x08\0", 30);
+  indexed.resize(58);  // one pixel of 8 bits, and no palette
+  CHECK_FALSE(parse(indexed, "b.bmp", &messages));
+  CHECK(messages.find("the BMP file's palette is not whole") != std::string::npos);
+  indexed.resize(54);
+  indexed[11] = 4;  // at 54 + 1024, and there it is
+  for (int i = 0; i < 256; ++i) indexed += std::string(3, static_cast<char>(i)) + '\0';
+  const auto pixel = parse(indexed + std::string("\x07\0\0\0", 4), "b.bmp");
+  REQUIRE(pixel);
+  CHECK(pixel->texels[0] == glm::u8vec4(7, 7, 7, 255));
 }
