@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
 namespace dmvv::cli {
 
 void add_view_options(CLI::App& command, ViewOptions& options) {
@@ -41,6 +45,25 @@ runtime::View parse_view(const ViewOptions& options) {
   return view;
 }
 
+namespace {
+
+/// How far off a point of a drawn surface may be, for coordinates up to 1 (spec/accuracy.md).
+constexpr double surface_error = 5e-7;
+
+/// By the pixel at the point that the camera looks at.
+void warn_of_deep_zoom(const runtime::View& view, const Context& context) {
+  if (view.slice || context.quiet) return;
+  const double distance = glm::length(view.camera.look - view.camera.eye);
+  const double height = 2.0 * distance * std::tan(view.camera.fov_deg * std::numbers::pi / 360.0);
+  const double pixel = height / (double(view.size_px.y) * view.samples);
+  if (!(pixel < surface_error)) return;
+  print_warning(fmt::format("a pixel covers {:.2g} where the camera looks, but float32 tells points of a surface apart "
+                            "to {:.2g} only: the picture shows steps",
+                            pixel, surface_error));
+}
+
+}  // namespace
+
 std::optional<voml::Mesh> place_camera(runtime::View& view, const ViewOptions& options, const ReadFile& files,
                                        Context& context, Diagnostics& diagnostics) {
   std::optional<voml::Mesh> mesh;
@@ -49,6 +72,7 @@ std::optional<voml::Mesh> place_camera(runtime::View& view, const ViewOptions& o
     const voml::Bounds bounds = mesh ? voml::bounds(*mesh) : voml::Bounds{glm::dvec3(-1.0), glm::dvec3(1.0)};
     view.camera = runtime::default_camera(bounds, view.size_px, view.cuts);
   }
+  warn_of_deep_zoom(view, context);
   return mesh;
 }
 

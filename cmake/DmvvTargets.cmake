@@ -27,10 +27,13 @@ function(dmvv_library name)
   target_link_libraries(dmvv_${name} PRIVATE $<BUILD_INTERFACE:dmvv_warnings> $<BUILD_INTERFACE:dmvv_sanitize>)
 endfunction()
 
-# dmvv_test(name LABEL SOURCES... LIBS libs): a doctest executable registered with CTest as `name`.
+# dmvv_test(name LABEL [OWN_MAIN] SOURCES... LIBS libs): a doctest executable registered with CTest as `name`.
 function(dmvv_test name)
-  cmake_parse_arguments(ARG "" "LABEL" "SOURCES;LIBS" ${ARGN})
-  add_executable(${name} ${ARG_SOURCES} ${PROJECT_SOURCE_DIR}/tests/doctest_main.cpp)
+  cmake_parse_arguments(ARG "OWN_MAIN" "LABEL" "SOURCES;LIBS" ${ARGN})
+  if(NOT ARG_OWN_MAIN)
+    list(APPEND ARG_SOURCES ${PROJECT_SOURCE_DIR}/tests/doctest_main.cpp)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LIBS} doctest::doctest dmvv_warnings dmvv_sanitize)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   target_compile_definitions(${name} PRIVATE

@@ -31,6 +31,11 @@ constexpr std::uint32_t lines_of_trilinear = 16;  // of a filter in the shader, 
 constexpr std::uint32_t lines_of_tricubic = 90;
 constexpr std::uint32_t most_lines = 1u << 24;  // sums saturate here: shared subtrees can count exponentially
 constexpr std::size_t most_constant_regions = 24;
+// lavapipe ignores, in silence, conditions that stand inside more than 80 others, after inlining; lowering early exits
+// adds some.
+constexpr std::uint32_t most_nested = 48;
+constexpr std::uint32_t nesting_of_group = 6;
+constexpr std::uint32_t nesting_of_walker = 8;
 
 std::uint32_t saturating_add(std::uint32_t a, std::uint64_t b) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(a + b, most_lines));
@@ -164,6 +169,7 @@ class Generator {
       const Function& function = module_.functions[i];
       const std::string text = function.snippet.glsl(function_name({i}), next_time_value);
       function_lines_.push_back(code_lines(text));
+      function_nesting_ = std::max(function_nesting_, function.snippet.nesting());
       out_.functions += fmt::format("// {}\n{}\n", function.name, text);
       const std::size_t values = function.snippet.time_value_count();
       if (values == 0) continue;
@@ -173,14 +179,26 @@ class Generator {
     out_.uses.time = next_time_value != 0;
   }
 
-  /// The thesis' stitching: one switch that the walker calls with the number of a snippet.
+  /// The thesis' stitching: one function that the walker calls with the number of a snippet.
   void emit_function_switch() {
     if (module_.functions.empty()) return;
-    out_.functions += "float call_function(uint function, vec3 q) {\n  switch (function) {\n";
-    for (std::uint32_t i = 0; i < module_.functions.size(); ++i) {
-      out_.functions += fmt::format("    case {}u: return {}(q);\n", i, function_name({i}));
+    out_.functions += "float call_function(uint function, vec3 q) {\n  float value = 0.0;\n";
+    emit_function_choice(0, static_cast<std::uint32_t>(module_.functions.size()), "  ");
+    out_.functions += "  return value;\n}\n\n";
+  }
+
+  /// By halves: drivers make nested conditions of a switch, as many as it has cases.
+  void emit_function_choice(std::uint32_t first, std::uint32_t end, const std::string& indentation) {
+    if (end - first == 1) {
+      out_.functions += fmt::format("{}value = {}(q);\n", indentation, function_name({first}));
+      return;
     }
-    out_.functions += "  }\n  return 0.0;\n}\n\n";
+    const std::uint32_t middle = first + (end - first) / 2;
+    out_.functions += fmt::format("{}if (function < {}u) {{\n", indentation, middle);
+    emit_function_choice(first, middle, indentation + "  ");
+    out_.functions += fmt::format("{}}} else {{\n", indentation);
+    emit_function_choice(middle, end, indentation + "  ");
+    out_.functions += fmt::format("{}}}\n", indentation);
   }
 
   // ---- what an object consists of ----
@@ -189,6 +207,7 @@ class Generator {
     std::vector<Id<Sdf>> sdfs;        ///< different ones, in the order of the tree
     std::vector<Id<Region>> regions;  ///< different ones, in the order of the tree
     std::uint32_t decisions = 0;      ///< of the tree written out, shared subtrees repeated
+    std::uint32_t depth = 0;          ///< most decisions on a way through the tree
     std::uint32_t seeded = 0;         ///< of these
     std::uint32_t source_lines = 0;   ///< of snippets and filters
   };
@@ -205,12 +224,13 @@ class Generator {
   /// Visits the tree as it will be written out: a shared subtree counts as often as it is reached.
   ObjectParts collect(Id<Node> root) const {
     ObjectParts parts;
-    std::vector<Id<Node>> pending{root};
+    std::vector<std::pair<Id<Node>, std::uint32_t>> pending{{root, 0}};
     std::set<Id<Sdf>> sdfs;
     std::set<Id<Region>> regions;
     while (!pending.empty() && parts.decisions < most_lines) {
-      const Id<Node> node = pending.back();
+      const auto [node, depth] = pending.back();
       pending.pop_back();
+      parts.depth = std::max(parts.depth, depth);
       if (const auto* region = std::get_if<Id<Region>>(&at(module_.nodes, node).content)) {
         if (regions.insert(*region).second) parts.regions.push_back(*region);
         continue;
@@ -220,8 +240,8 @@ class Generator {
       if (at(module_.sdfs, decision.sdf).placement == voml::Placement::seeded) ++parts.seeded;
       parts.source_lines = saturating_add(parts.source_lines, source_lines(decision.sdf));
       if (sdfs.insert(decision.sdf).second) parts.sdfs.push_back(decision.sdf);
-      pending.push_back(decision.negative);
-      pending.push_back(decision.positive);
+      pending.push_back({decision.negative, depth + 1});
+      pending.push_back({decision.positive, depth + 1});
     }
     return parts;
   }
@@ -287,6 +307,7 @@ class Generator {
   /// one that saves most, and so on; at last the root.
   void choose_cuts() {
     cut_.assign(module_.objects.size(), options_.codegen != Codegen::specialised);
+    cut_too_deep();
     const std::size_t root = module_.root.index;
     while (!cut_[root]) {
       const std::uint32_t now = all_inlined_lines(cut_)[root];
@@ -310,6 +331,26 @@ class Generator {
     mark_needed();
   }
 
+  /// Objects that would be nested too deeply with what they call are cut, the innermost first.
+  void cut_too_deep() {
+    std::uint32_t halvings = 0;
+    while ((std::size_t{1} << halvings) < module_.functions.size()) ++halvings;
+    const std::uint32_t walker = nesting_of_walker + halvings + function_nesting_;
+    std::vector<std::uint32_t> nested(module_.objects.size());
+    for (std::size_t i = nested.size(); i-- > 0;) {
+      nested[i] = parts_[i].depth + function_nesting_ + 2;
+      for (const Id<Region> region : parts_[i].regions) {
+        for (const auto& called : calls_[region.index]) {
+          for (const Id<Object> child : called) nested[i] = std::max(nested[i], nesting_of_group + nested[child.index]);
+        }
+      }
+      too_deep_.push_back(nested[i] > most_nested);
+      if (too_deep_.back()) cut_[i] = true;
+      if (cut_[i]) nested[i] = walker;
+    }
+    std::reverse(too_deep_.begin(), too_deep_.end());
+  }
+
   void mark_needed() {
     needed_.assign(module_.objects.size(), false);
     needed_[module_.root.index] = true;
@@ -330,6 +371,9 @@ class Generator {
         out_.object_codegen.push_back(name + ": table");
       } else if (options_.codegen == Codegen::thesis) {
         out_.object_codegen.push_back(name + ": thesis");
+      } else if (too_deep_[i]) {
+        out_.object_codegen.push_back(
+            fmt::format("{}: table, specialised code would nest more than {} conditions", name, most_nested));
       } else if (cut_[i]) {
         out_.object_codegen.push_back(
             fmt::format("{}: table, specialised code would exceed {} lines", name, options_.inlined_line_budget));
@@ -532,14 +576,13 @@ class Generator {
       return;
     }
     line("uint object = placements[{} + c].object;", fmt::format("{}u", record.first_placement));
-    const char* keyword = "";
+    // One after the other, not nested in each other's else.
+    std::string none;
     for (std::size_t i = 0; i < inlined.size(); ++i) {
-      const bool last = i + 1 == inlined.size() && walked.empty();
-      const std::string condition = last ? std::string("else ") : fmt::format("{}if (object == {}u) ", keyword, inlined[i].index);
-      line("{}{};", condition, call(inlined[i], "q", "level + 1u"));
-      keyword = "else ";
+      line("if (object == {}u) {};", fmt::format("{}", inlined[i].index), call(inlined[i], "q", "level + 1u"));
+      none += fmt::format("{}object != {}u", i == 0 ? "" : " && ", inlined[i].index);
     }
-    if (!walked.empty()) line("{}walk(object, q, level + 1u);", keyword);
+    if (!walked.empty()) line(none.empty() ? "walk(object, q, level + 1u);" : "if ({}) walk(object, q, level + 1u);", none);
   }
 
   /// Nobody inside answered: the region's own colour counts, unless it is empty.
@@ -635,7 +678,9 @@ class Generator {
   std::vector<ObjectParts> parts_;                           // of each object
   std::vector<std::vector<std::vector<Id<Object>>>> calls_;  // of each region and group: the different objects
   std::vector<bool> cut_;
+  std::vector<bool> too_deep_;  // of these, for their nesting
   std::vector<bool> needed_;
+  std::uint32_t function_nesting_ = 0;
   std::set<Id<Sdf>> emitted_;
 };
 

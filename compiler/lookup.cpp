@@ -151,7 +151,8 @@ std::uint64_t most_entries(std::size_t placements) {
 }  // namespace
 
 glm::dvec3 float_error(const Affine& affine, const glm::dvec3& reach) {
-  return 6.0 * float_unit * (abs_times(affine.linear, reach) + glm::abs(affine.translation));
+  const glm::dvec3 rounding = 6.0 * float_unit * (abs_times(affine.linear, reach) + glm::abs(affine.translation));
+  return rounding + float_denormal * (abs_times(affine.linear, glm::dvec3(1.0)) + 10.0);
 }
 
 std::span<const std::uint32_t> Lookup::at(const glm::dvec3& p) const {

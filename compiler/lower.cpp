@@ -1,12 +1,23 @@
 // Scene -> Module. Walks what the root reaches, composes matrices in double, orders objects by embedding.
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <set>
 
 #include "compiler/module.h"
+#include "compiler/rounding.h"
 
 namespace dmvv::compiler {
 
 namespace {
+
+/// Entries of a placement's matrix. Products of a few stay finite in float32.
+constexpr double largest_entry = 0x1p100;
+/// An object is imprecise if float32 moves points by more than this share of its cube's width: a pixel of a picture that
+/// shows the cube a thousand pixels wide.
+constexpr double imprecise_share = 0x1p-10;
 
 /// Maps ids of a scene's vector to ids of a module's vector; an entry is made when an id is first asked for.
 template <class From, class To = From>
@@ -50,6 +61,8 @@ class Lowering {
     if (diagnostics_.has_errors()) return std::nullopt;
     module_.root = objects_[scene_.root];
     number_regions();
+    if (diagnostics_.has_errors()) return std::nullopt;
+    check_precision();
     module_.depth = longest_chain();
     return std::move(module_);
   }
@@ -158,7 +171,9 @@ class Lowering {
           nodes_[node] = append(module_.nodes, Node{lower_region(*region)});
         } else {
           const auto& decision = std::get<voml::Decision>(content);
-          nodes_[node] = append(module_.nodes, Node{Decision{lower_sdf(decision.sdf), {}, {}}});
+          const Id<Sdf> sdf = lower_sdf(decision.sdf);
+          sdf_users_.emplace(sdf, objects_[current_]);
+          nodes_[node] = append(module_.nodes, Node{Decision{sdf, {}, {}}});
           pending.push_back({decision.negative, nodes_[node], Side::negative});
           pending.push_back({decision.positive, nodes_[node], Side::positive});
         }
@@ -170,13 +185,32 @@ class Lowering {
     return nodes_[root];
   }
 
-  std::vector<Affine> placements(voml::Placement placement, const voml::Transform& transform,
-                                 Id<voml::SeedList> seeds) const {
-    if (placement != voml::Placement::seeded) return {local_from_object(transform)};
+  /// Reports a placement that float32 cannot hold.
+  void check_placement(const Affine& affine, Span span) {
+    double largest = std::max({std::abs(affine.translation.x), std::abs(affine.translation.y), std::abs(affine.translation.z)});
+    for (int column = 0; column < 3; ++column) {
+      const glm::dvec3 entries = glm::abs(affine.linear[column]);
+      largest = std::max({largest, entries.x, entries.y, entries.z});
+    }
+    if (largest <= largest_entry) return;
+    diagnostics_.report(Code::placement_too_small, span,
+                        fmt::format("a placement magnifies by {:.3g}; shaders compute in float32, and can follow up to {:.3g}",
+                                    largest, largest_entry));
+  }
+
+  Affine placement_of(const voml::Transform& transform, Span span) {
+    const Affine affine = local_from_object(transform);
+    check_placement(affine, span);
+    return affine;
+  }
+
+  std::vector<Affine> placements(voml::Placement placement, const voml::Transform& transform, Id<voml::SeedList> seeds,
+                                 Span span) {
+    if (placement != voml::Placement::seeded) return {placement_of(transform, span)};
     std::vector<Affine> result;
     const auto& list = at(scene_.seed_lists, seeds).seeds;
     result.reserve(list.size());
-    for (const auto& seed : list) result.push_back(local_from_object(combine(transform, seed)));
+    for (const auto& seed : list) result.push_back(placement_of(combine(transform, seed), span));
     return result;
   }
 
@@ -207,7 +241,7 @@ class Lowering {
       sdf.source = lower_function(std::get<Id<voml::Function>>(from.source), from.name);
     }
     sdf.placement = from.placement;
-    sdf.local_from_object = placements(from.placement, from.transform, from.seeds);
+    sdf.local_from_object = placements(from.placement, from.transform, from.seeds, from.span);
     sdf.index_size = from.index_size.value_or(glm::uvec3(0));
     sdf.iso = from.offset;
     return sdfs_[id] = append(module_.sdfs, std::move(sdf));
@@ -226,7 +260,7 @@ class Lowering {
     region.opacity = from.opacity;
     if (from.kind == voml::RegionKind::bitmap) {
       region.bitmap = move_once(bitmaps_, scene_.bitmaps, module_.bitmaps, from.bitmap);
-      region.texture_from_object = local_from_object(from.transform);
+      region.texture_from_object = placement_of(from.transform, from.span);
     }
     return regions_[use] = append(module_.regions, std::move(region));
   }
@@ -239,25 +273,88 @@ class Lowering {
       if (region.kind != voml::RegionKind::empty) region.number = ++number;
       const voml::Region& from = at(scene_.regions, use.first);
       std::uint32_t first_number = 0;
-      for (const auto& group : from.groups) lower_group(group, region, first_number);
+      for (const auto& group : from.groups) lower_group(group, id, first_number);
     }
   }
 
-  void lower_group(const voml::EmbeddingGroup& from, Region& region, std::uint32_t& first_number) {
+  void lower_group(const voml::EmbeddingGroup& from, Id<Region> id, std::uint32_t& first_number) {
+    Region& region = at(module_.regions, id);
     CandidateGroup group;
     if (from.index) {
-      group.box_from_object = local_from_object(from.index->transform);
+      group.box_from_object = placement_of(from.index->transform, from.embedded.empty() ? Span{} : from.embedded.front().span);
       group.index_size = from.index->size;
     }
     group.first_number = first_number;
     for (const auto& embedded : from.embedded) {
       const bool tiled = embedded.placement == voml::Placement::tiled;
-      for (const Affine& affine : placements(embedded.placement, embedded.transform, embedded.seeds)) {
+      const std::size_t first = group.candidates.size();
+      for (const Affine& affine : placements(embedded.placement, embedded.transform, embedded.seeds, embedded.span)) {
         group.candidates.push_back({objects_[embedded.object], affine, tiled});
       }
+      origins_.push_back({region.object, objects_[embedded.object], embedded.span, id, region.groups.size(), first,
+                          group.candidates.size() - first});
     }
     first_number += static_cast<std::uint32_t>(group.candidates.size());
     if (!group.candidates.empty()) region.groups.push_back(std::move(group));
+  }
+
+  // ---- how far float32 carries (spec/accuracy.md) ----
+
+  /// One EMBEDDED element.
+  struct Origin {
+    Id<Object> parent;
+    Id<Object> child;
+    Span span;
+    Id<Region> region;
+    std::size_t group, first, count;  ///< its candidates
+  };
+
+  static double share(const ErrorBound& error) {
+    return 0.5 * std::max({error.component.x, error.component.y, error.component.z});
+  }
+
+  static ErrorBound worse(const ErrorBound& a, const ErrorBound& b) {
+    return {glm::max(a.component, b.component), std::max(a.length, b.length)};
+  }
+
+  void report_imprecise(Span span, const std::string& what, double share_of_cube) {
+    diagnostics_.report(
+        Code::imprecise_placement, span,
+        fmt::format("float32 coordinates in {} may be off by {:.2g} of its cube's width, and its boundaries in pictures "
+                    "with them; a larger scale, or dmvv probe, which computes in double, would tell",
+                    what, share_of_cube));
+  }
+
+  /// Warns where an object's frame, or an SDF's, becomes too small for float32: there, not again below.
+  void check_precision() {
+    std::stable_sort(origins_.begin(), origins_.end(),
+                     [](const Origin& a, const Origin& b) { return a.parent < b.parent; });
+    std::vector<ErrorBound> error(module_.objects.size());
+    error[module_.root.index] = rounded(glm::dvec3(1.0)).bound;
+    std::vector<bool> reported(module_.objects.size(), false);
+    for (const Origin& origin : origins_) {  // parents stand before children
+      const ErrorBound before = error[origin.parent.index];
+      ErrorBound after;
+      if (origin.count == 0) continue;
+      const auto& candidates = at(module_.regions, origin.region).groups[origin.group].candidates;
+      for (std::size_t i = origin.first; i < origin.first + origin.count; ++i) {
+        after = worse(after, carry_anywhere(candidates[i].local_from_parent, candidates[i].tiled, before));
+      }
+      error[origin.child.index] = worse(error[origin.child.index], after);
+      if (share(after) <= imprecise_share || share(before) > imprecise_share || reported[origin.child.index]) continue;
+      reported[origin.child.index] = true;
+      report_imprecise(origin.span, fmt::format("the object '{}'", at(module_.objects, origin.child).name), share(after));
+    }
+    for (const auto& [sdf, object] : sdf_users_) check_sdf_precision(at(module_.sdfs, sdf), error[object.index]);
+  }
+
+  void check_sdf_precision(const Sdf& sdf, const ErrorBound& error) {
+    if (share(error) > imprecise_share) return;  // said of the object
+    double worst = 0.0;
+    for (const Affine& affine : sdf.local_from_object) {
+      worst = std::max(worst, share(carry_anywhere(affine, sdf.placement == voml::Placement::tiled, error)));
+    }
+    if (worst > imprecise_share) report_imprecise(sdf.span, fmt::format("the SDF '{}'", sdf.name), worst);
   }
 
   std::uint32_t longest_chain() const {
@@ -291,6 +388,8 @@ class Lowering {
   Renumber<voml::Grid> grids_;
   Renumber<voml::Bitmap> bitmaps_;
   Renumber<voml::Function, Function> functions_;
+  std::vector<Origin> origins_;
+  std::set<std::pair<Id<Sdf>, Id<Object>>> sdf_users_;
   std::vector<bool> compiled_;  ///< functions, with or without errors
 };
 

@@ -8,6 +8,7 @@
 
 #include "compiler/flatten.h"
 #include "compiler/lookup.h"
+#include "compiler/rounding.h"
 #include "compiler/texels.h"
 
 namespace dmvv::compiler {
@@ -26,21 +27,9 @@ struct Tested {
   bool certain;
 };
 
-/// A point with the bound of its float32 error, component by component.
-struct Approximate {
-  glm::dvec3 p;
-  glm::dvec3 error;
-};
-
-Approximate apply(const Affine& affine, const Approximate& from) {
-  const glm::dmat3& m = affine.linear;
-  const glm::dvec3 carried = glm::abs(m[0]) * from.error.x + glm::abs(m[1]) * from.error.y + glm::abs(m[2]) * from.error.z;
-  return {affine(from.p), carried + float_error(affine, glm::abs(from.p))};
-}
-
 Tested in_box(const Approximate& q, const glm::dvec3& lo, const glm::dvec3& hi) {
   // The bounds are rounded to float32 as well.
-  const glm::dvec3 slack = q.error + float_unit * glm::max(glm::abs(lo), glm::abs(hi));
+  const glm::dvec3 slack = q.error() + float_unit * glm::max(glm::abs(lo), glm::abs(hi));
   const bool inside = glm::all(glm::greaterThanEqual(q.p, lo)) && glm::all(glm::lessThanEqual(q.p, hi));
   const bool surely_in = glm::all(glm::greaterThan(q.p - slack, lo)) && glm::all(glm::lessThan(q.p + slack, hi));
   const bool surely_out = glm::any(glm::lessThan(q.p + slack, lo)) || glm::any(glm::greaterThan(q.p - slack, hi));
@@ -53,9 +42,9 @@ Tested in_cube(const Approximate& q) { return in_box(q, glm::dvec3(-1.0), glm::d
 Tested wrap(Approximate& q) {
   const glm::dvec3 turns = (q.p + 1.0) * 0.5;
   const glm::dvec3 to_seam = glm::abs(turns - glm::round(turns)) * 2.0;
-  q.error += 4.0 * float_unit * (glm::abs(q.p) + 1.0);
+  q.add_error(4.0 * float_unit * (glm::abs(q.p) + 1.0));
   q.p -= 2.0 * glm::floor(turns);
-  return {true, glm::all(glm::greaterThan(to_seam, q.error))};
+  return {true, glm::all(glm::greaterThan(to_seam, q.error()))};
 }
 
 /// Largest difference between neighbouring samples along each axis: a Lipschitz bound of the trilinear interpolant in
@@ -233,7 +222,7 @@ struct Reference::Impl {
     const double value = tricubic ? sample_tricubic(grid, q.p) : sample(grid, q.p);
     const glm::dvec3 texels_per_unit = glm::dvec3(grid.size) / (grid.box_hi - grid.box_lo);
     // The atlas coordinate takes a product and a sum, the sampler scales it up and subtracts a half.
-    const glm::dvec3 texel_error = q.error * texels_per_unit + 6.0 * float_unit * atlas_texels;
+    const glm::dvec3 texel_error = q.error() * texels_per_unit + 6.0 * float_unit * atlas_texels;
     const GridBounds& bounds = grid_bounds[id.index];
     // A normalised texel is converted by the device, and compared with iso / scale.
     const double roundings = (tricubic ? tricubic_roundings : 8.0) + (is_normalised(options.format) ? 4.0 : 0.0);
@@ -247,7 +236,7 @@ struct Reference::Impl {
     const snippet::Value value = f.evaluate(q.p, time_ms);
     const bool below = value.finished && value.f <= iso;
     const snippet::Interval bounds =
-        f.evaluate({q.p - q.error, q.p + q.error}, {time_ms, time_ms}, snippet::Rounding::float32);
+        f.evaluate({q.p - q.error(), q.p + q.error()}, {time_ms, time_ms}, snippet::Rounding::float32);
     const double slack = float_unit * std::abs(iso);
     const bool one_side = below ? bounds.hi <= iso - slack : bounds.lo > iso + slack;
     return {below, value.finished && !bounds.maybe_nan && one_side};
@@ -375,7 +364,7 @@ Reference::~Reference() = default;
 
 ReferenceAnswer Reference::evaluate(const glm::dvec3& p, double time_ms) const {
   ReferenceAnswer answer;
-  const Approximate root{p, float_unit * glm::abs(p)};
+  const Approximate root = rounded(p);
   const Tested held = in_cube(root);
   answer.certain = held.certain;
   if (held.yes) impl_->evaluate(impl_->module.root, root, time_ms, answer);

@@ -472,6 +472,14 @@ std::optional<Snippet> Compilation::run() {
     return std::nullopt;
   }
   Snippet snippet(std::make_shared<const Program>(std::move(*program)));
+  if (snippet.nesting() > Snippet::most_nested) {
+    ++errors_;
+    diagnostics_.report(Code::snippet_nested_too_deeply, body_words(),
+                        fmt::format("conditions are nested {} deep, early returns counted; drivers follow {} with certainty: "
+                                    "search by halves, or choose with ?: or min and max",
+                                    snippet.nesting(), Snippet::most_nested));
+    return std::nullopt;
+  }
   probe(snippet);
   if (errors_ != 0) return std::nullopt;
   return snippet;

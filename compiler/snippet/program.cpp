@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include <bit>
 
 namespace dmvv::compiler::snippet {
@@ -84,6 +86,14 @@ void append(std::string& out, const Program& program, const Sequence& sequence, 
   }
 }
 
+/// May control leave or repeat what is around the sequence?
+bool exits(const Sequence& sequence) {
+  return std::any_of(sequence.begin(), sequence.end(), [](const Node& node) {
+    if (node.kind == Node::Kind::leave || node.kind == Node::Kind::repeat) return true;
+    return node.kind == Node::Kind::branch && (exits(node.body) || exits(node.other));
+  });
+}
+
 }  // namespace
 
 const OpInfo& info(Op op) { return op_table[static_cast<std::size_t>(op)]; }
@@ -102,6 +112,16 @@ Type Program::type(Register r) const {
   if (is_constant(r)) return constant(r).type;
   if (is_variable(r)) return variables[r - first_variable()];
   return temporaries[r - first_temporary()];
+}
+
+std::uint32_t nesting(const Sequence& sequence) {
+  std::uint32_t deepest = 0, passed = 0;
+  for (const Node& node : sequence) {
+    const std::uint32_t own = node.kind == Node::Kind::branch || node.kind == Node::Kind::loop ? 1 : 0;
+    deepest = std::max(deepest, passed + own + std::max(nesting(node.body), nesting(node.other)));
+    if (node.kind == Node::Kind::branch && (exits(node.body) || exits(node.other))) ++passed;
+  }
+  return deepest;
 }
 
 std::string to_text(const Program& program) {

@@ -25,6 +25,8 @@ bool Snippet::uses_time() const {
 
 std::size_t Snippet::instruction_count() const { return program_->instructions.size(); }
 
+std::uint32_t Snippet::nesting() const { return snippet::nesting(split_->residual.body); }
+
 Value Snippet::evaluate(const glm::dvec3& p, double t_ms) const {
   const auto result = evaluate_point<double>(*program_, {p.x, p.y, p.z, t_ms});
   return {result.f, result.finished};

@@ -66,6 +66,11 @@ class Snippet {
   bool uses_time() const;
   std::size_t instruction_count() const;
 
+  /// Conditions nested in each other in its GLSL, early exits counted (program.h). At most most_nested.
+  std::uint32_t nesting() const;
+  /// lavapipe ignores conditions that stand inside more than 80 others; a walker around the snippet needs some.
+  static constexpr std::uint32_t most_nested = 48;
+
   /// In double. Cost: some 10 ns an instruction.
   Value evaluate(const glm::dvec3& p, double t_ms) const;
 
@@ -99,7 +104,7 @@ class Snippet {
 /// unknown function or name (with a suggestion), E0403 a path without return, or a wrong return type, E0404 something
 /// that a distance function cannot use (samplers, derivatives, images, barriers, discard, gl_ variables) with the
 /// reason, E0405 recursion, E0406 a loop that does not end (with the point and time at which it ran away; probed at
-/// fixed points of the cube and times).
+/// fixed points of the cube and times), E0407 conditions nested deeper than Snippet::most_nested.
 /// Warnings: W0401 NaN or infinite at a probed point (the witness).
 /// Cost: some milliseconds, most of it glslang; a snippet that `cache` knows does without glslang.
 std::optional<Snippet> compile_snippet(const voml::Function& function, Diagnostics& diagnostics,

@@ -52,7 +52,7 @@ void object_0(vec3 p, uint level) {
         if (in_cube(q)) {
           uint object = placements[2u + c].object;
           if (object == 1u) object_1(q, level + 1u);
-          else object_2(q, level + 1u);
+          if (object == 2u) object_2(q, level + 1u);
           if (hit_number != 0u) came_through(0u, c, level);
         }
       }

@@ -52,3 +52,45 @@ TEST_CASE("the module as text") {
   CHECK(text.find("root object 0, depth 2") == 0);
   CHECK(text.find("grid 0 'ball.lxn' 2x2x2 box (-1 -1 -1) (1 1 1)") != std::string::npos);
 }
+
+TEST_CASE("placements that float32 cannot follow") {
+  const auto lower = [](const std::string& text) {
+    Diagnostics diagnostics;
+    auto scene = voml::read_scene("s.voml", memory_files({{"s.voml", text}}), {}, diagnostics);
+    REQUIRE(scene);
+    compiler::lower(std::move(*scene), diagnostics);
+    return diagnostics.render();
+  };
+  const auto chain = [](const char* outer, const char* inner) {
+    return fmt::format("<MVV><OBJECT name='C'><REGION name='R' type='color' rgb='1 0 0'/></OBJECT><OBJECT name='B'><REGION "
+                       "name='R' type='color' rgb='1 0 0'><EMBEDDED name='C' scale='{0}'/></REGION></OBJECT><OBJECT name='A'>"
+                       "<REGION name='R' type='color' rgb='0 1 0'><EMBEDDED name='B' translate='0.5 0 0' scale='{1}'/></REGION>"
+                       "</OBJECT></MVV>",
+                       inner, outer);
+  };
+  CHECK(lower(chain("0.1 0.1 0.1", "0.1 0.1 0.1")) == "");
+  // 6u (1 + 1) / s a level: the inner frame's error passes 2 / 1024 between s = 1e-3 and 1e-4.
+  const std::string at_inner = lower(chain("0.01 0.01 0.01", "0.001 0.001 0.001"));
+  CHECK(at_inner.find("W0301") != std::string::npos);
+  CHECK(at_inner.find("the object 'C'") != std::string::npos);
+  CHECK(at_inner.find("the object 'B'") == std::string::npos);
+  const std::string at_outer = lower(chain("1e-5 1e-5 1e-5", "0.1 0.1 0.1"));  // said once, where it begins
+  CHECK(at_outer.find("the object 'B'") != std::string::npos);
+  CHECK(at_outer.find("the object 'C'") == std::string::npos);
+  CHECK(lower(chain("1e-32 1 1", "1 1 1")).find("E0306") != std::string::npos);
+}
+
+TEST_CASE("snippets that the root does not reach are compiled when asked for, each once") {
+  const std::string text =
+      "<MVV><OBJECT name='B'><SDF name='S' function='true'>return nonsense;</SDF><REGION name='R' type='empty'/></OBJECT>"
+      "<OBJECT name='A'><SDF name='S' function='true'>return sqrt(p.x);</SDF><REGION name='R' type='empty'/></OBJECT></MVV>";
+  for (const bool everything : {false, true}) {
+    Diagnostics diagnostics;
+    auto scene = voml::read_scene("s.voml", memory_files({{"s.voml", text}}), {}, diagnostics);
+    REQUIRE(scene);
+    const auto module = compiler::lower(std::move(*scene), diagnostics, {.check_everything = everything});
+    CHECK(module.has_value() == !everything);
+    CHECK(diagnostics.warning_count() == 1);
+    CHECK(diagnostics.has_errors() == everything);
+  }
+}

@@ -418,7 +418,7 @@ TEST_CASE("nesting that is allowed compiles") {
   };
   CHECK(value_of("return " + repeat("(", 99) + "1.0" + repeat(")", 99) + ";") == 1.0);
   CHECK(value_of("return " + repeat("1.0+", 900) + "1.0;") == 901.0);
-  CHECK(value_of("float a = 0.0; " + repeat("if (p.x > 0.3) a = 1.0; else ", 99) + "a = 2.0; return a;") == 2.0);
+  CHECK(value_of("float a = 0.0; " + repeat("if (p.x > 0.3) a = 1.0; else ", 48) + "a = 2.0; return a;") == 2.0);
 }
 
 TEST_CASE("any bytes are compiled or refused, never worse") {
