@@ -37,27 +37,6 @@ std::vector<glm::dvec3> points_of(std::uint64_t seed, int count = 3000) {
   return points;
 }
 
-/// What concerns distance grids only: each filter and each format, in both forms of code. The texture unit's own weights
-/// are exact for 16-bit texels but not for 8 bits, on some devices.
-std::vector<tests::Setting> grid_settings() {
-  using compiler::Codegen, compiler::Filter, compiler::TexelFormat;
-  std::vector<tests::Setting> all;
-  const auto add = [&](std::string name, Filter filter, TexelFormat format, Codegen codegen) {
-    compiler::CompileOptions options;
-    options.filter = filter;
-    options.atlas_format = format;
-    options.codegen = codegen;
-    all.push_back({std::move(name), std::move(options)});
-  };
-  add("hardware r16f, specialised", Filter::hardware, TexelFormat::r16f, Codegen::specialised);
-  add("hardware snorm16, table", Filter::hardware, TexelFormat::snorm16, Codegen::table);
-  add("shader r32f, specialised", Filter::shader, TexelFormat::r32f, Codegen::specialised);
-  add("shader snorm8, table", Filter::shader, TexelFormat::snorm8, Codegen::table);
-  add("tricubic snorm16, specialised", Filter::tricubic, TexelFormat::snorm16, Codegen::specialised);
-  add("tricubic r32f, table", Filter::tricubic, TexelFormat::r32f, Codegen::table);
-  return all;
-}
-
 void check_answers(const compiler::Module& module, const compiler::Reference& reference,
                    const compiler::Program& program, const std::vector<glm::dvec3>& points, double time_ms,
                    const std::vector<compiler::PointAnswer>& answers) {
@@ -110,14 +89,11 @@ TEST_CASE("every filter and format gives what the reference reads from the same 
     const auto module = tests::lowered(scene.text, scene.files);
     if (module.grids.empty() || scene.name == "chain of 20") continue;  // the chain of 6 tells as much, in less time
     CAPTURE(scene.name);
-    for (const tests::Setting& setting : grid_settings()) {
+    for (const tests::Setting& setting : tests::grid_settings()) {
       CAPTURE(setting.name);
       auto passed = module;
       compiler::run_passes(passed, setting.options);
-      compiler::Reference::Options reading;
-      reading.filter = setting.options.filter;
-      reading.format = setting.options.atlas_format;
-      const compiler::Reference reference(passed, reading);
+      const compiler::Reference reference(passed, tests::reading_of(setting));
       const auto program = tests::compiled(module, setting.options);
       auto evaluator = runtime::Evaluator::create(device, program);
       REQUIRE(evaluator);

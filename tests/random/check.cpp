@@ -113,6 +113,17 @@ std::optional<Fault> check_setting(runtime::Device& device, const compiler::Modu
   return std::nullopt;
 }
 
+/// The same points as a reference reads them that has the grids of a setting as its program stores them.
+std::vector<Look> read_again(const compiler::Module& passed, const Setting& setting, std::vector<Look> looks) {
+  const compiler::Reference reference(passed, reading_of(setting));
+  for (Look& now : looks) {
+    for (std::size_t i = 0; i < now.expected.size(); ++i) {
+      now.expected[i] = reference.evaluate(now.points.all[i], now.time_ms);
+    }
+  }
+  return looks;
+}
+
 void count_uncertain(const std::vector<Look>& looks, Counts& counts) {
   for (const Look& now : looks) {
     for (std::size_t i = 0; i < now.expected.size(); ++i) {
@@ -137,12 +148,23 @@ std::optional<Fault> check(runtime::Device& device, const Scene& scene, std::uin
     if (auto fault = check_reference(scene, *module, looks)) return fault;
   }
   const std::size_t said = device.validation_messages().size();
-  const std::vector<Setting> settings = agreeing_settings();
+  std::vector<Setting> settings = agreeing_settings();
+  const std::size_t plain = settings.size();
+  if (!module->grids.empty()) {
+    for (Setting& setting : grid_settings()) settings.push_back(std::move(setting));
+  }
   for (std::size_t i = 0; i < settings.size(); ++i) {
     const Setting& setting = settings[i];
     if (focus && focus->like.setting != setting.name) continue;
     if (!focus && !options.all_settings && i != 0 && i != 1 + seed % (settings.size() - 1)) continue;
-    if (auto fault = check_setting(device, *module, setting, looks, options, counts)) return fault;
+    if (i < plain) {
+      if (auto fault = check_setting(device, *module, setting, looks, options, counts)) return fault;
+    } else {
+      compiler::Module passed = *module;
+      compiler::run_passes(passed, setting.options);
+      const auto again = read_again(passed, setting, looks);
+      if (auto fault = check_setting(device, passed, setting, again, options, counts)) return fault;
+    }
     const auto messages = device.validation_messages();
     if (messages.size() > said) return Fault{Fault::Kind::validation, setting.name, 0.0, {}, {}, messages[said]};
   }

@@ -27,6 +27,35 @@ inline std::vector<Setting> agreeing_settings() {
   return all;
 }
 
+/// What concerns distance grids only: each filter and each format, in both forms of code. The texture unit's own
+/// weights are exact for 16-bit texels but not for 8 bits, on some devices.
+inline std::vector<Setting> grid_settings() {
+  using compiler::Codegen, compiler::Filter, compiler::TexelFormat;
+  std::vector<Setting> all;
+  const auto add = [&](std::string name, Filter filter, TexelFormat format, Codegen codegen) {
+    compiler::CompileOptions options;
+    options.filter = filter;
+    options.atlas_format = format;
+    options.codegen = codegen;
+    all.push_back({std::move(name), std::move(options)});
+  };
+  add("hardware r16f, specialised", Filter::hardware, TexelFormat::r16f, Codegen::specialised);
+  add("hardware snorm16, table", Filter::hardware, TexelFormat::snorm16, Codegen::table);
+  add("shader r32f, specialised", Filter::shader, TexelFormat::r32f, Codegen::specialised);
+  add("shader snorm8, table", Filter::shader, TexelFormat::snorm8, Codegen::table);
+  add("tricubic snorm16, specialised", Filter::tricubic, TexelFormat::snorm16, Codegen::specialised);
+  add("tricubic r32f, table", Filter::tricubic, TexelFormat::r32f, Codegen::table);
+  return all;
+}
+
+/// How a reference of the module after run_passes reads the texels that such a program has.
+inline compiler::Reference::Options reading_of(const Setting& setting) {
+  compiler::Reference::Options reading;
+  reading.filter = setting.options.filter;
+  reading.format = setting.options.atlas_format;
+  return reading;
+}
+
 /// A static scene is the same at all times; a moving one is looked at from its start to a day later.
 inline std::vector<double> times_of(const compiler::Program& program) {
   if (program.time_functions.empty()) return {0.0};
