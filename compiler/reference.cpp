@@ -331,7 +331,7 @@ struct Reference::Impl {
     if (region.kind != voml::RegionKind::bitmap) return {region.rgb, region.opacity};
     const voml::Bitmap& bitmap = at(module.bitmaps, region.bitmap);
     const Approximate q = apply(region.texture_from_object, p);
-    const glm::dvec3 wrapped_error = q.error + 4.0 * float_unit * (glm::abs(q.p) + 1.0);
+    const glm::dvec3 wrapped_error = q.error() + 4.0 * float_unit * (glm::abs(q.p) + 1.0);
     const glm::dvec3 texel_error = wrapped_error * (0.5 * bitmap.n) + 6.0 * float_unit * bitmap_atlas_texels;
     certain = certain && glm::dot(texel_error, bitmap_slopes[region.bitmap.index]) < color_slack;
     const glm::dvec4 texel = wrapped_texel(bitmap, q.p);
