@@ -38,7 +38,7 @@ compiler::Program program(Show show) {
   compiler::Program made;
   made.buffers.push_back(buffer_of(glm::uvec4(static_cast<std::uint32_t>(show), 0, 0, 0)));
   // x - 0.25 at the middles of 4^3 cells: linear filtering gives it back exactly between them.
-  compiler::Texture texture{"distance", DMVV_BIND_GRID_ATLAS, glm::uvec3(4), compiler::TexelFormat::r32f, {}};
+  compiler::Texture texture{"distance", DMVV_BIND_GRID_ATLAS, glm::uvec3(4), compiler::TexelFormat::r32f, true, {}};
   texture.texels.resize(4 * 64);
   for (int i = 0; i < 64; ++i) {
     const float value = static_cast<float>(-1.0 + (i % 4 + 0.5) / 2.0 - 0.25);
