@@ -342,9 +342,9 @@ Plan make_plan(const PlanOptions& options) {
   } else if (options.set == "standard") {
     planner.boundaries();
     planner.sampling();
+    planner.growth(false);
     planner.example_settings("orange");
     if (!options.quick) planner.example_settings("sticks");
-    planner.growth(false);
   }
   return planner.take();
 }

@@ -36,7 +36,8 @@ struct Measurement {
   std::vector<Step> steps;       ///< of each build: "read", "compile", "SPIR-V", "upload", "pipeline", in this order
   std::vector<double> frame_ms;  ///< wall time; the first frame is not among them
   std::vector<double> gpu_ms;    ///< the same frames by the device's time stamps; empty if it has none
-  std::vector<double> point_ns;  ///< cost of a point: (t(262144) - t(64)) / 262080, kernel `points`
+  std::vector<double> point_ns;  ///< cost of a point: (t(n) - t(64)) / (n - 64), kernel `points`; n is 262144, or 16384 where that
+                                 ///< would take over 0.3 s
 
   // ---- sizes ----
   std::uint64_t upload_bytes = 0;  ///< buffers and textures of the scene
