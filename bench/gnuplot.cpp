@@ -7,9 +7,7 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <filesystem>
-#include <sstream>
 #include <system_error>
 #include <vector>
 
@@ -42,13 +40,7 @@ struct Temporary {
 }  // namespace
 
 Result<std::string> find_gnuplot() {
-  const char* const path = std::getenv("PATH");
-  std::istringstream folders(path ? path : "/usr/local/bin:/usr/bin:/bin");
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    const std::string program = (fs::path(folder.empty() ? "." : folder) / "gnuplot").string();
-    std::error_code ignored;
-    if (fs::is_regular_file(program, ignored) && access(program.c_str(), X_OK) == 0) return program;
-  }
+  if (auto program = find_program("gnuplot")) return std::move(*program);
   return fail(Fault::environment, "plots are drawn by the program gnuplot, which is not there",
               {"install it: apt-get install gnuplot-nox", "or leave --plots out: --json has every figure"});
 }

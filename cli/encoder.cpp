@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 #include <system_error>
@@ -110,13 +109,7 @@ std::vector<std::uint8_t> opaque(const std::vector<std::uint8_t>& rgba) {
 }  // namespace
 
 Result<std::string> find_ffmpeg() {
-  const char* const path = std::getenv("PATH");
-  std::istringstream folders(path ? path : "/usr/local/bin:/usr/bin:/bin");
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    const std::string program = (fs::path(folder.empty() ? "." : folder) / "ffmpeg").string();
-    std::error_code ignored;
-    if (fs::is_regular_file(program, ignored) && access(program.c_str(), X_OK) == 0) return program;
-  }
+  if (auto program = find_program("ffmpeg")) return std::move(*program);
   return fail(Fault::environment, "clips are encoded by the program ffmpeg, which is not there",
               {"install it: apt-get install ffmpeg", "or write the frames themselves: -o frames_%04d.png"});
 }

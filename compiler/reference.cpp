@@ -7,6 +7,7 @@
 #include <glm/vector_relational.hpp>
 
 #include "compiler/flatten.h"
+#include "compiler/grid_bounds.h"
 #include "compiler/lookup.h"
 #include "compiler/rounding.h"
 #include "compiler/texels.h"
@@ -47,35 +48,7 @@ Tested wrap(Approximate& q) {
   return {true, glm::all(glm::greaterThan(to_seam, q.error()))};
 }
 
-/// Largest difference between neighbouring samples along each axis: a Lipschitz bound of the trilinear interpolant in
-/// texels, and its largest magnitude.
-struct GridBounds {
-  glm::dvec3 slope{0.0};
-  double magnitude = 0.0;
-};
-
-GridBounds measure(const voml::Grid& grid) {
-  GridBounds bounds;
-  const std::size_t nx = grid.size.x, ny = grid.size.y, nz = grid.size.z;
-  const float* v = grid.values.data();
-  float slope[3] = {0, 0, 0};
-  float magnitude = 0;
-  for (std::size_t z = 0, i = 0; z < nz; ++z) {
-    for (std::size_t y = 0; y < ny; ++y) {
-      for (std::size_t x = 0; x < nx; ++x, ++i) {
-        magnitude = std::max(magnitude, std::abs(v[i]));
-        if (x + 1 < nx) slope[0] = std::max(slope[0], std::abs(v[i + 1] - v[i]));
-        if (y + 1 < ny) slope[1] = std::max(slope[1], std::abs(v[i + nx] - v[i]));
-        if (z + 1 < nz) slope[2] = std::max(slope[2], std::abs(v[i + nx * ny] - v[i]));
-      }
-    }
-  }
-  bounds.slope = glm::dvec3(slope[0], slope[1], slope[2]);
-  bounds.magnitude = magnitude;
-  return bounds;
-}
-
-/// The same of a bitmap, which goes on at its opposite side; values 0..1.
+/// Largest difference between neighbouring texels of a bitmap along each axis; it goes on at its opposite side; values 0..1.
 glm::dvec3 measure(const voml::Bitmap& bitmap) {
   const std::size_t n = bitmap.n;
   glm::ivec3 slope(0);
@@ -156,7 +129,7 @@ struct Reference::Impl {
   const Module& module;
   Options options;
   std::vector<voml::Grid> stored;                         // of each grid, unless the format keeps all values
-  std::vector<GridBounds> grid_bounds;
+  std::vector<GridBounds> bounds_of_grids;
   std::vector<glm::dvec3> bitmap_slopes;
   double bitmap_atlas_texels = 0.0;  // no side of the bitmaps' atlas is longer
   std::vector<LocalBox> boxes;                            // of each SDF
@@ -170,7 +143,7 @@ struct Reference::Impl {
         stored.push_back(as_stored(module.grids[i], options.format, scales[i]));
       }
     }
-    for (std::uint32_t i = 0; i < module.grids.size(); ++i) grid_bounds.push_back(measure(grid_of({i})));
+    for (std::uint32_t i = 0; i < module.grids.size(); ++i) bounds_of_grids.push_back(grid_bounds(grid_of({i})));
     for (const voml::Bitmap& bitmap : module.bitmaps) {
       bitmap_slopes.push_back(measure(bitmap));
       bitmap_atlas_texels += bitmap.n + 2.0;
@@ -223,7 +196,7 @@ struct Reference::Impl {
     const glm::dvec3 texels_per_unit = glm::dvec3(grid.size) / (grid.box_hi - grid.box_lo);
     // The atlas coordinate takes a product and a sum, the sampler scales it up and subtracts a half.
     const glm::dvec3 texel_error = q.error() * texels_per_unit + 6.0 * float_unit * atlas_texels;
-    const GridBounds& bounds = grid_bounds[id.index];
+    const GridBounds& bounds = bounds_of_grids[id.index];
     // A normalised texel is converted by the device, and compared with iso / scale.
     const double roundings = (tricubic ? tricubic_roundings : 8.0) + (is_normalised(options.format) ? 4.0 : 0.0);
     const double error = glm::dot(texel_error, bounds.slope) * (tricubic ? tricubic_slope : 1.0) +

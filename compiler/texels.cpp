@@ -6,6 +6,8 @@
 #include <cstring>
 #include <glm/gtc/packing.hpp>
 
+#include "compiler/grid_bounds.h"
+
 namespace dmvv::compiler {
 
 namespace {
@@ -35,30 +37,6 @@ std::uint16_t half_of(float value) { return glm::packHalf1x16(std::clamp(value, 
 
 std::uint8_t byte_of(float value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255.0f)); }
 
-/// Largest difference between neighbouring samples, summed over the axes, and the largest magnitude of a sample.
-struct Range {
-  double slopes;
-  double magnitude;
-};
-
-Range range_of(const voml::Grid& grid) {
-  const std::size_t nx = grid.size.x, ny = grid.size.y, nz = grid.size.z;
-  const float* v = grid.values.data();
-  float slope[3] = {0, 0, 0};
-  float magnitude = 0;
-  for (std::size_t z = 0, i = 0; z < nz; ++z) {
-    for (std::size_t y = 0; y < ny; ++y) {
-      for (std::size_t x = 0; x < nx; ++x, ++i) {
-        magnitude = std::max(magnitude, std::abs(v[i]));
-        if (x + 1 < nx) slope[0] = std::max(slope[0], std::abs(v[i + 1] - v[i]));
-        if (y + 1 < ny) slope[1] = std::max(slope[1], std::abs(v[i + nx] - v[i]));
-        if (z + 1 < nz) slope[2] = std::max(slope[2], std::abs(v[i + nx * ny] - v[i]));
-      }
-    }
-  }
-  return {double{slope[0]} + slope[1] + slope[2], magnitude};
-}
-
 }  // namespace
 
 std::size_t bytes_per_texel(TexelFormat format) {
@@ -85,10 +63,11 @@ std::vector<double> texel_scales(const Module& module, TexelFormat format, Filte
   }
   const double reach = filter == Filter::tricubic ? reach_tricubic : reach_trilinear;
   for (std::size_t i = 0; i < scales.size(); ++i) {
-    const Range range = range_of(module.grids[i]);
-    const double near = reach * range.slopes + farthest_iso[i];
+    const GridBounds bounds = grid_bounds(module.grids[i]);
+    const double slopes = bounds.slope.x + bounds.slope.y + bounds.slope.z;
+    const double near = reach * slopes + farthest_iso[i];
     // Samples that are all alike have no slope: then the magnitude is all there is to keep.
-    scales[i] = range.slopes == 0.0 ? range.magnitude : std::min(range.magnitude, near);
+    scales[i] = slopes == 0.0 ? bounds.magnitude : std::min(bounds.magnitude, near);
     if (scales[i] == 0.0) scales[i] = 1.0;
   }
   return scales;

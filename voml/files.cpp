@@ -5,10 +5,12 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <new>
+#include <sstream>
 #include <system_error>
 
 namespace dmvv {
@@ -117,6 +119,17 @@ Result<void> write_file(const std::string& path, std::string_view bytes) {
   } catch (const std::exception& e) {
     return cannot("write", Fault::environment, path, e.what());
   }
+}
+
+std::optional<std::string> find_program(const std::string& name) {
+  const char* const path = std::getenv("PATH");
+  std::istringstream folders(path ? path : "/usr/local/bin:/usr/bin:/bin");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const std::string program = (std::filesystem::path(folder.empty() ? "." : folder) / name).string();
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(program, ignored) && access(program.c_str(), X_OK) == 0) return program;
+  }
+  return std::nullopt;
 }
 
 }  // namespace dmvv

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "voml/result.h"
@@ -22,5 +23,8 @@ ReadFile memory_files(std::map<std::string, std::string> files);
 /// Writes all bytes to `path` by way of a temporary name beside it, so that a failure leaves nothing half-written.
 /// Errors: Fault::input if the folder does not exist or the path is a directory, Fault::environment otherwise.
 Result<void> write_file(const std::string& path, std::string_view bytes);
+
+/// The executable of this name in the folders of $PATH.
+std::optional<std::string> find_program(const std::string& name);
 
 }  // namespace dmvv
