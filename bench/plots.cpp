@@ -225,16 +225,19 @@ void settings_bars(const Report& report, std::vector<Plot>& plots) {
   for (const std::string& scene : series_names(report, "scene")) {
     std::string rows;
     std::size_t count = 0;
+    glm::uvec2 size_px{0};
     for (const Measurement& m : report.measurements) {
       if (m.what.section != "scene" || m.what.series != scene || !m.failure.empty()) continue;
       const std::string wrong = m.pixels ? fmt::format("wrong {}", number(m.pixels->wrong_fraction())) : "";
-      rows = fmt::format("{} {:.6g} \"{}\" \"  {:.3g} ms, {}\"\n", count++, median(m.frame_ms), m.what.variant, median(m.frame_ms), wrong) + rows;
+      size_px = m.what.size_px;
+      rows += fmt::format("{} {:.6g} \"{}\" \"  {} ms, {}\"\n", count++, median(m.frame_ms), m.what.variant,
+                          number(median(m.frame_ms)), wrong);
     }
     if (count < 2) continue;
     std::string script = fmt::format(
-        "set title {}\nset xlabel 'frame of 640 x 360 pixels, ms'\nset border 3\nset tics nomirror\nunset key\n"
+        "set title {}\nset xlabel 'frame of {} x {} pixels, ms'\nset border 3\nset tics nomirror\nunset key\n"
         "set grid x lc rgb '#dddddd' lw 1\nset xrange [0:*]\nset yrange [{}:-0.7]\nset rmargin 24\n",
-        quoted(fmt::format("{}: frame time and wrong pixels by setting", scene)), static_cast<double>(count) - 0.3);
+        quoted(fmt::format("{}: frame time and wrong pixels by setting", scene)), size_px.x, size_px.y, static_cast<double>(count) - 0.3);
     script += "$rows << EOD\n" + rows + "EOD\n";
     script += "plot $rows using 2:1:(0):2:($1-0.35):($1+0.35):ytic(3) with boxxyerror fs solid 0.6 noborder lc rgb '#0072b2', \\\n"
               "  $rows using 2:1:4 with labels left font ',10'\n";
