@@ -59,7 +59,7 @@ std::string range(const std::vector<Line>& lines, double Mark::* coordinate) {
   return fmt::format("[{:.4g}:{:.4g}]", lo / room, hi * room);
 }
 
-/// Labels at 1, 2, 5 of each power of ten where there are few powers; else gnuplot's own.
+/// Labels at some digits of each power of ten, the more the fewer powers there are; beyond a few gnuplot's own.
 std::string ticks(const char* axis, const std::vector<Line>& lines, double Mark::* coordinate) {
   double lo = 1e300, hi = 0.0;
   for (const Line& line : lines) {
@@ -70,9 +70,10 @@ std::string ticks(const char* axis, const std::vector<Line>& lines, double Mark:
     }
   }
   if (hi / lo > 300.0) return {};
+  const std::vector<int> digits = hi / lo < 12.0 ? std::vector<int>{1, 2, 3, 5, 7} : std::vector<int>{1, 2, 5};
   std::string list;
   for (int power = static_cast<int>(std::floor(std::log10(lo))) - 1; power <= std::ceil(std::log10(hi)); ++power) {
-    for (const int digit : {1, 2, 5}) list += fmt::format("{}{}e{}", list.empty() ? "" : ", ", digit, power);
+    for (const int digit : digits) list += fmt::format("{}{}e{}", list.empty() ? "" : ", ", digit, power);
   }
   return fmt::format("set {}tics ({})\n", axis, list);
 }
@@ -188,7 +189,7 @@ void error_against_time(const Report& report, std::vector<Plot>& plots) {
     plots.push_back({"error_time_" + file_name(shape),
                      axes(fmt::format("Boundary of a {}: error against time", shape), "one evaluation, ns",
                           "displacement RMS, object units") +
-                         "set format x '%g'\n" + with_front(lines, "n: samples a side")});
+                         "set format x '%g'\n" + with_front(lines, "label: samples a side")});
   }
   std::vector<Line> samples = lines_of(report, "samples", "samples", [](const Measurement& m) { return median(m.frame_ms); },
                                        [](const Measurement& m) { return m.color_rmse.value_or(0.0); });
@@ -196,7 +197,7 @@ void error_against_time(const Report& report, std::vector<Plot>& plots) {
   samples.front().title = "n x n samples a pixel";
   plots.push_back({"error_time_samples", axes("A slice through 1,000 objects: colour error against time", "frame of 192 x 192 pixels, ms",
                                               "colour RMSE (0..1) to the converged picture") +
-                                             "set format x '%g'\nset format y '%g'\n" + with_front(samples, "n")});
+                                             "set format x '%g'\nset format y '%g'\n" + with_front(samples, "label: n")});
 }
 
 void growth(const Report& report, std::vector<Plot>& plots) {
@@ -224,16 +225,19 @@ void settings_bars(const Report& report, std::vector<Plot>& plots) {
   for (const std::string& scene : series_names(report, "scene")) {
     std::string rows;
     std::size_t count = 0;
+    glm::uvec2 size_px{0};
     for (const Measurement& m : report.measurements) {
       if (m.what.section != "scene" || m.what.series != scene || !m.failure.empty()) continue;
       const std::string wrong = m.pixels ? fmt::format("wrong {}", number(m.pixels->wrong_fraction())) : "";
-      rows = fmt::format("{} {:.6g} \"{}\" \"  {:.3g} ms, {}\"\n", count++, median(m.frame_ms), m.what.variant, median(m.frame_ms), wrong) + rows;
+      size_px = m.what.size_px;
+      rows += fmt::format("{} {:.6g} \"{}\" \"  {} ms, {}\"\n", count++, median(m.frame_ms), m.what.variant,
+                          number(median(m.frame_ms)), wrong);
     }
     if (count < 2) continue;
     std::string script = fmt::format(
-        "set title {}\nset xlabel 'frame of 640 x 360 pixels, ms'\nset border 3\nset tics nomirror\nunset key\n"
-        "set grid x lc rgb '#dddddd' lw 1\nset xrange [0:*]\nset yrange [-0.7:{}] reverse\nset rmargin 24\n",
-        quoted(fmt::format("{}: frame time and wrong pixels by setting", scene)), static_cast<double>(count) - 0.3);
+        "set title {}\nset xlabel 'frame of {} x {} pixels, ms'\nset border 3\nset tics nomirror\nunset key\n"
+        "set grid x lc rgb '#dddddd' lw 1\nset xrange [0:*]\nset yrange [{}:-0.7]\nset rmargin 24\n",
+        quoted(fmt::format("{}: frame time and wrong pixels by setting", scene)), size_px.x, size_px.y, static_cast<double>(count) - 0.3);
     script += "$rows << EOD\n" + rows + "EOD\n";
     script += "plot $rows using 2:1:(0):2:($1-0.35):($1+0.35):ytic(3) with boxxyerror fs solid 0.6 noborder lc rgb '#0072b2', \\\n"
               "  $rows using 2:1:4 with labels left font ',10'\n";

@@ -150,7 +150,7 @@ std::string failures(const Report& report) {
 
 std::string to_table(const Report& report) {
   const Machine& m = report.machine;
-  std::string text = fmt::format("dmvv {} on {}, {}\n{}, {} cores, load {:.2f}; {}, glslang {}\n\n", m.dmvv, m.device, m.driver,
+  std::string text = fmt::format("dmvv {}, {}{}\n{}, {}\n{}, {} cores, load {:.2f}; {}, glslang {}\n\n", m.dmvv, report.set, report.quick ? " (quick)" : "", m.device, m.driver,
                                  m.cpu, m.cores, m.load, m.compiler, m.glslang);
   text += boundaries(report);
   text += samples(report);
