@@ -8,6 +8,7 @@
 
 #include <cerrno>
 #include <filesystem>
+#include <sstream>
 #include <system_error>
 #include <vector>
 
