@@ -119,6 +119,28 @@ const char* const good_scene = R"(<MVV>
 <OBJECT name="B"><SDF name="S" file="x.lxn"/><REGION name="R" type="empty"/></OBJECT>
 <OBJECT name="D"><MAPPINGS><REGION name="R" type="empty"/></MAPPINGS></OBJECT>
 </MVV>)";
+/// The same with nothing that can be left out.
+const char* const lean_scene = R"(<MVV>
+<OBJECT name="A">
+  <SDF name="S" type="seeding" seedFile="s.txt" file="x.lxn"/>
+  <SDF name="T" function="1">return p.x;</SDF>
+  <REGION name="C" type="color" rgb="0 0 1">
+    <INDEX size="2 2 2"/>
+    <EMBEDDED name="B" seedFile="s.txt"/>
+    <EMBEDDED name="B" type="seeding" seedFile="s.txt"/>
+    <EMBEDDED name="B"/>
+  </REGION>
+  <MAPPINGS>
+    <SDF name="S">
+      <POSITIVE region="C"/>
+      <NEGATIVE>
+        <SDF name="U" file="x.lxn" type="seeding" seedFile="s.txt"><POSITIVE region="C"/><NEGATIVE region="C"/></SDF>
+      </NEGATIVE>
+    </SDF>
+  </MAPPINGS>
+</OBJECT>
+<OBJECT name="B"><REGION name="R" type="empty"/></OBJECT>
+</MVV>)";
 const char* const other_scene = R"(<MVV><OBJECT name="O"><REGION name="R" type="empty"/></OBJECT></MVV>)";
 
 /// Each element of VOML as it may be added to another: those of two meanings in both forms.
@@ -156,10 +178,10 @@ struct Variant {
   std::string text;
 };
 
-std::vector<Variant> variants() {
+std::vector<Variant> variants(const char* scene) {
   std::vector<Variant> result;
   pugi::xml_document original;
-  REQUIRE(original.load_string(good_scene));
+  REQUIRE(original.load_string(scene));
   const std::size_t count = elements_of(original).size();
   for (std::size_t i = 0; i < count; ++i) {
     const auto vary = [&](const std::string& what, const std::function<void(pugi::xml_node)>& change) {
@@ -257,7 +279,9 @@ TEST_CASE("the parser and the schema judge alike: places, needed attributes, wha
   const fs::path folder = fs::path(DMVV_BINARY_DIR) / "tests/schema_scenes";
   fs::remove_all(folder);
   fs::create_directories(folder);
-  std::vector<Variant> all = variants();
+  std::vector<Variant> all = variants(good_scene);
+  std::ranges::move(variants(lean_scene), std::back_inserter(all));
+  all.push_back({"the lean scene", lean_scene});
   all.push_back({"the good scene", good_scene});
   std::vector<std::string> names;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -266,6 +290,7 @@ TEST_CASE("the parser and the schema judge alike: places, needed attributes, wha
   }
   const std::set<std::string> valid = valid_files(folder, names);
   CHECK(valid.contains(names.back()));
+  CHECK(valid.contains(names[names.size() - 2]));
   std::size_t refused = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const std::string codes = structural_codes(all[i].text);
