@@ -7,6 +7,7 @@
 
 namespace dmvv::cli {
 
+void add_new(CLI::App& app, Invocation& invocation);
 void add_check(CLI::App& app, Invocation& invocation);
 void add_render(CLI::App& app, Invocation& invocation);
 void add_animate(CLI::App& app, Invocation& invocation);

@@ -65,6 +65,7 @@ int main_function(int count, char** words) {
       "Example:  dmvv render examples/orange/orange.voml -o orange.png --cut \"0 0 1 0\"\n"
       "Exit codes: 0 done, 1 the fault of a file, 2 wrong usage or the machine. dmvv COMMAND --help says more.");
   app.require_subcommand(1);
+  add_new(app, invocation);
   add_check(app, invocation);
   add_render(app, invocation);
   add_animate(app, invocation);

@@ -1,4 +1,4 @@
-# `cmake --install`: headers, libraries, program, the examples' sources, and a relocatable find_package(dmvv).
+# `cmake --install`: headers, libraries, program, the examples' sources, the schema, and a relocatable find_package(dmvv).
 include(CMakePackageConfigHelpers)
 
 # The contracts only; what a stage keeps to itself is not installed.
@@ -19,6 +19,7 @@ install(TARGETS dmvv_voml dmvv_compiler dmvv_runtime dmvv_authoring EXPORT dmvvT
 install(TARGETS dmvv_image_codec LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/dmvv)
 install(TARGETS dmvv RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/dmvv/examples)
+install(FILES spec/voml.rng DESTINATION ${CMAKE_INSTALL_DATADIR}/dmvv)
 
 set(DMVV_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/dmvv)
 install(EXPORT dmvvTargets NAMESPACE dmvv:: DESTINATION ${DMVV_PACKAGE_DIR})

@@ -10,9 +10,44 @@
 
 namespace dmvv::voml {
 
-Attributes::Attributes(Element element, std::initializer_list<std::string_view> known, Diagnostics& diagnostics)
-    : element_(element), diagnostics_(&diagnostics) {
-  for (const std::string_view name : known) known_.push_back({name, {}});
+std::span<const std::string_view> attributes_of(Tag tag) {
+  static constexpr std::string_view import_file[] = {"file"};
+  static constexpr std::string_view named[] = {"name"};  // OBJECT, MAPPINGS
+  static constexpr std::string_view sdf[] = {"name", "file",     "function",   "translate", "rotate", "scale",
+                                             "type", "seedFile", "rotateFile", "scaleFile", "index",  "offset"};
+  static constexpr std::string_view region[] = {"name",      "type",   "rgb",   "file",
+                                                "translate", "rotate", "scale", "opacity"};
+  static constexpr std::string_view index[] = {"size", "translate", "rotate", "scale"};
+  static constexpr std::string_view embedded[] = {"name", "translate", "rotate",     "scale",
+                                                  "type", "seedFile",  "rotateFile", "scaleFile"};
+  static constexpr std::string_view side[] = {"region"};
+  switch (tag) {
+    case Tag::import_file:
+      return import_file;
+    case Tag::object:
+    case Tag::mappings:
+      return named;
+    case Tag::sdf:
+      return sdf;
+    case Tag::region:
+      return region;
+    case Tag::index:
+      return index;
+    case Tag::embedded:
+      return embedded;
+    case Tag::positive:
+    case Tag::negative:
+      return side;
+    case Tag::mvv:
+    case Tag::functions:
+    case Tag::unknown:
+      break;
+  }
+  return {};
+}
+
+Attributes::Attributes(Element element, Diagnostics& diagnostics) : element_(element), diagnostics_(&diagnostics) {
+  for (const std::string_view name : attributes_of(element.tag())) known_.push_back({name, {}});
   for (const pugi::xml_attribute attribute : element.node.attributes()) {
     const auto slot =
         std::find_if(known_.begin(), known_.end(), [&](const Known& k) { return same_word(k.name, attribute.name()); });

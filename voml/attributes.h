@@ -3,6 +3,7 @@
 
 #include <initializer_list>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,12 +15,15 @@
 
 namespace dmvv::voml {
 
+/// All attributes that an element may have, wherever it stands; none for Tag::unknown. spec/voml.rng says the same.
+std::span<const std::string_view> attributes_of(Tag tag);
+
 /// Reads the attributes of an element. Every getter reports what is wrong with a value and then returns nothing (or the
 /// default), so one mistake gives one message.
 class Attributes {
  public:
-  /// `known` are all attributes the element may have. Reports E0202.
-  Attributes(Element element, std::initializer_list<std::string_view> known, Diagnostics& diagnostics);
+  /// Reports E0202.
+  Attributes(Element element, Diagnostics& diagnostics);
 
   /// Reports the unknown ones (W0103) but those that `required` found to be a misspelt needed one. Call it last.
   void report_unknown();

@@ -89,7 +89,7 @@ bool DocumentReader::open(const std::string& path, Span named_at) {
   if (!document) return false;
   const Element root{document.get(), document->root()};
   if (!check_root(root)) return false;
-  Attributes(root, {}, diagnostics_).report_unknown();
+  Attributes(root, diagnostics_).report_unknown();
   Children children = children_of(root, {Tag::object, Tag::import_file, Tag::functions}, false, draft_, diagnostics_);
   open_.push_back(
       std::make_unique<OpenFile>(OpenFile{path, std::move(document), root.name_span(), std::move(children), index}));
@@ -111,7 +111,7 @@ bool DocumentReader::check_root(Element root) {
 }
 
 void DocumentReader::import(Element element) {
-  Attributes attributes(element, {"file"}, diagnostics_);
+  Attributes attributes(element, diagnostics_);
   const auto name = attributes.required_text("file");
   attributes.report_unknown();
   children_of(element, {}, false, draft_, diagnostics_);

@@ -211,7 +211,7 @@ void DefinitionReader::read_groups(Id<Region> region, const Children& children) 
       continue;
     }
     in_run = false;
-    Attributes attributes(child, {"size", "translate", "rotate", "scale"}, diagnostics_);
+    Attributes attributes(child, diagnostics_);
     IndexBox box;
     if (attributes.require("size")) box.size = attributes.index_size("size").value_or(box.size);
     box.transform = attributes.transform();
@@ -224,8 +224,7 @@ void DefinitionReader::read_groups(Id<Region> region, const Children& children) 
 }
 
 void DefinitionReader::read_embedded(Element element, Id<Region> region, EmbeddingGroup& group) {
-  Attributes attributes(
-      element, {"name", "translate", "rotate", "scale", "type", "seedFile", "rotateFile", "scaleFile"}, diagnostics_);
+  Attributes attributes(element, diagnostics_);
   Embedded embedded;
   embedded.span = element.name_span();
   const auto name = attributes.required_text("name");
@@ -263,16 +262,6 @@ class ObjectReader {
     Id<Node> parent;  ///< invalid: the tree's root
   };
 
-  Attributes sdf_attributes(Element element) {
-    return Attributes(element,
-                      {"name", "file", "function", "translate", "rotate", "scale", "type", "seedFile", "rotateFile",
-                       "scaleFile", "index", "offset"},
-                      diagnostics_);
-  }
-  Attributes region_attributes(Element element) {
-    return Attributes(element, {"name", "type", "rgb", "file", "translate", "rotate", "scale", "opacity"},
-                      diagnostics_);
-  }
   Children children(Element element, std::initializer_list<Tag> allowed, bool text_allowed = false) {
     return children_of(element, allowed, text_allowed, draft_, diagnostics_);
   }
@@ -321,7 +310,7 @@ Id<Object> ObjectReader::read(Element element) {
 }
 
 void ObjectReader::read_name(Element element) {
-  Attributes attributes(element, {"name"}, diagnostics_);
+  Attributes attributes(element, diagnostics_);
   if (const auto name = attributes.required_text("name")) {
     at(scene_.objects, object_).name = *name;
     const auto [entry, is_new] = draft_.objects.try_emplace(*name, object_);
@@ -337,7 +326,7 @@ void ObjectReader::read_name(Element element) {
 /// An SDF or REGION directly in the object: always a definition.
 void ObjectReader::read_definition(Element element) {
   const bool is_sdf = element.tag() == Tag::sdf;
-  Attributes attributes = is_sdf ? sdf_attributes(element) : region_attributes(element);
+  Attributes attributes(element, diagnostics_);
   const std::string name = attributes.required_text("name").value_or("");
   if (is_sdf) {
     children(element, {}, true);
@@ -350,7 +339,7 @@ void ObjectReader::read_definition(Element element) {
 }
 
 void ObjectReader::read_mappings(Element element) {
-  Attributes attributes(element, {"name"}, diagnostics_);
+  Attributes attributes(element, diagnostics_);
   const std::string& own = at(scene_.objects, object_).name;
   const auto name = attributes.text("name");
   if (name && !own.empty() && *name != own) {
@@ -382,7 +371,7 @@ Id<Node> ObjectReader::read_branch(Element element) {
   std::optional<std::string> region;
   bool has_region = false;
   if (element.tag() != Tag::mappings) {
-    Attributes attributes(element, {"region"}, diagnostics_);
+    Attributes attributes(element, diagnostics_);
     has_region = attributes.has("region");
     region = attributes.text("region");
     if (region && content.elements.empty()) {
@@ -413,7 +402,7 @@ Id<Node> ObjectReader::read_branch(Element element) {
 Id<Node> ObjectReader::read_content(Element element) {
   if (element.tag() == Tag::sdf) return read_decision(element);
   const Id<Node> node = append(scene_.nodes, Node{Id<Region>{}});
-  Attributes attributes = region_attributes(element);
+  Attributes attributes(element, diagnostics_);
   const auto name = attributes.required_text("name");
   const Children embedded = children(element, {Tag::index, Tag::embedded});
   if (attributes.has_other_than("name") || !embedded.elements.empty()) {
@@ -428,7 +417,7 @@ Id<Node> ObjectReader::read_content(Element element) {
 
 Id<Node> ObjectReader::read_decision(Element element) {
   const Id<Node> node = append(scene_.nodes, Node{Decision{}});
-  Attributes attributes = sdf_attributes(element);
+  Attributes attributes(element, diagnostics_);
   const auto name = attributes.required_text("name");
   const Children sides = children(element, {Tag::positive, Tag::negative}, true);
   if (attributes.has_other_than("name")) {
@@ -555,7 +544,7 @@ Id<Object> read_object(Element element, DocumentRef document, Draft& draft, Diag
 }
 
 void read_functions(Element element, std::vector<std::size_t>& list, Draft& draft, Diagnostics& diagnostics) {
-  Attributes(element, {}, diagnostics).report_unknown();
+  Attributes(element, diagnostics).report_unknown();
   children_of(element, {}, true, draft, diagnostics);
   auto text = text_of(element);
   if (!text) return;
