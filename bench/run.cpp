@@ -67,7 +67,7 @@ struct Built {
 
 /// From text to the first picture (or, for Kernel::points, to an evaluator), as `dmvv render` does it.
 Result<Built> build(const SceneSource& source, const Settings& settings, Kernel kernel, const runtime::View* view,
-                    runtime::Device& device, std::vector<Step>& steps) {
+                    runtime::Device& device, bool is_first, std::vector<Step>& steps) {
   Diagnostics diagnostics;
   auto scene = timed(steps, "read", [&] {
     return voml::read_scene(source.path, source.files, {source.root, false}, diagnostics);
@@ -88,7 +88,7 @@ Result<Built> build(const SceneSource& source, const Settings& settings, Kernel 
     runtime::Timings timings;
     const auto picture = evaluator->render(*view, &timings);
     if (!picture) return tl::unexpected(picture.error());
-    add(steps, "pipeline", ms_of(timings, "pipeline"));
+    if (is_first) add(steps, "pipeline", ms_of(timings, "pipeline"));  // later the driver knows it
   }
   return Built{std::move(*program), std::move(*evaluator)};
 }
@@ -205,7 +205,7 @@ Result<void> measure(runtime::Device& device, Truth& truth, Measurement& result)
   for (std::uint32_t i = 0; i < std::max(1u, what.effort.builds); ++i) {
     built.reset();
     const PeakMemory memory;
-    auto made = build(truth.source(), what.settings, Kernel::pixels, &view, device, result.steps);
+    auto made = build(truth.source(), what.settings, Kernel::pixels, &view, device, i == 0, result.steps);
     if (!made) return tl::unexpected(made.error());
     if (i == 0) result.peak_bytes = memory.bytes().value_or(0);
     built.emplace(std::move(*made));

@@ -130,7 +130,7 @@ int bench_command(const BenchOptions& options, Context& context) {
   for (const bench::SceneSource& scene : plan_of.scenes) must(disk_files()(scene.path, std::uint64_t{4} << 30));
   const bench::Plan plan = bench::make_plan(plan_of);
 
-  // Nothing is taken from a cache: a pipeline that an earlier run compiled would cost nothing.
+  // The driver's cache begins empty: a pipeline that an earlier run compiled would cost nothing.
   runtime::Device device = must(runtime::Device::create(
       {.name = options.device.name, .validation = options.device.validation, .driver_cache = options.driver_cache}));
   context.stopwatch.lap("device");

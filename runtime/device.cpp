@@ -6,6 +6,7 @@
 #include <cctype>
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <string_view>
 
 #include "runtime/gpu.h"
@@ -200,10 +201,37 @@ Result<Device> open_device(const DeviceOptions& options) {
   return Device(std::move(impl));
 }
 
-/// Mesa and NVIDIA read these when the instance is made; there is no call for it.
-void switch_driver_cache_off() {
-  setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
-  setenv("__GL_SHADER_DISK_CACHE", "0", 1);
+/// A folder that goes when the process ends.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::error_code ignored;
+    std::string name = (std::filesystem::temp_directory_path(ignored) / "dmvv-XXXXXX").string();
+    if (mkdtemp(name.data()) != nullptr) path_ = name;
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+  }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+/// The driver finds an empty cache, this process' own. Without any, lavapipe would compile its vertex shaders anew for
+/// every frame (some 25 ms). Drivers read these when the instance is made; there is no call for it.
+void empty_driver_cache() {
+  static const TemporaryFolder folder;
+  if (folder.path().empty()) {
+    setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
+    setenv("__GL_SHADER_DISK_CACHE", "0", 1);
+  } else {
+    setenv("MESA_SHADER_CACHE_DIR", folder.path().c_str(), 1);
+    setenv("__GL_SHADER_DISK_CACHE_PATH", folder.path().c_str(), 1);
+  }
 }
 
 }  // namespace
@@ -325,13 +353,13 @@ Device::~Device() = default;
 
 Result<Device> Device::create(const DeviceOptions& options) {
   return guarded("opening the device", [&]() -> Result<Device> {
-    if (!options.driver_cache) switch_driver_cache_off();
+    if (!options.driver_cache) empty_driver_cache();
     return open_device(options);
   });
 }
 
 std::future<Result<Device>> Device::create_async(const DeviceOptions& options) {
-  if (!options.driver_cache) switch_driver_cache_off();
+  if (!options.driver_cache) empty_driver_cache();
   return std::async(std::launch::async, [options] {
     return guarded("opening the device", [&] { return open_device(options); });
   });
