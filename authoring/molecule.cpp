@@ -8,6 +8,7 @@
 #include <map>
 
 #include "authoring/molecule_readers.h"
+#include "authoring/placements.h"
 #include "voml/limits.h"
 #include "voml/text.h"
 
@@ -22,28 +23,6 @@ std::string red_green_blue(std::uint32_t rgb) {
 }
 
 std::string vector_line(const glm::dvec3& v) { return fmt::format("{:.7f} {:.7f} {:.7f}\n", v.x, v.y, v.z); }
-
-/// In a comment two hyphens must not follow each other.
-std::string for_comment(std::string_view text) {
-  std::string result;
-  for (const char c : text) result += c == '-' && result.ends_with('-') ? " -" : std::string(1, c);
-  return result;
-}
-
-std::string for_attribute(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '"')
-      result += "&quot;";
-    else
-      result += c;
-  }
-  return result;
-}
 
 }  // namespace
 
