@@ -7,6 +7,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <limits>
 #include <numbers>
 #include <set>
 
@@ -91,6 +92,30 @@ PlacementFiles placement_files(std::span<const Placement> placements, const Mole
     files.scales += fmt::format("{:.9g} {:.9g} {:.9g}\n", s.x, s.y, s.z);
   }
   return files;
+}
+
+PlacedAssembly place_assembly(const Molecule& molecule, const Assembly& assembly) {
+  PlacedAssembly result;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  glm::dvec3 lo(infinity), hi(-infinity);
+  for (const AssemblyPart& part : assembly.parts) {
+    PlacedUnit unit{atoms_of(molecule, part), {}, {}};
+    if (unit.atoms.empty() || part.operators.empty()) continue;
+    unit.frame = fit_molecule(unit.atoms);
+    for (const Operator& op : part.operators) {
+      unit.placements.push_back({op.rotation * unit.frame.center + op.translation, op.rotation,
+                                 glm::dvec3(unit.frame.angstrom_per_unit)});
+      for (const Atom& atom : unit.atoms) {
+        const glm::dvec3 p = op.rotation * atom.position + op.translation;
+        lo = glm::min(lo, p - atom.element->radius);
+        hi = glm::max(hi, p + atom.element->radius);
+      }
+    }
+    result.units.push_back(std::move(unit));
+  }
+  const glm::dvec3 half = 0.5 * (hi - lo);
+  result.frame = {0.5 * (lo + hi), std::max({half.x, half.y, half.z}) / 0.95};
+  return result;
 }
 
 std::string file_name_of(std::string_view name) {

@@ -54,6 +54,21 @@ struct PlacementFiles {
 };
 PlacementFiles placement_files(std::span<const Placement> placements, const MoleculeFrame& frame);
 
+/// The atoms of a part of an assembly in a frame of their own, and where that frame's cube stands.
+struct PlacedUnit {
+  std::vector<Atom> atoms;
+  MoleculeFrame frame;
+  std::vector<Placement> placements;  ///< in angstrom, one an operator
+};
+
+/// An assembly as objects to embed; parts without atoms to draw are left out. The frame holds all balls of all copies.
+/// Cost: atoms times operators.
+struct PlacedAssembly {
+  std::vector<PlacedUnit> units;
+  MoleculeFrame frame;
+};
+PlacedAssembly place_assembly(const Molecule& molecule, const Assembly& assembly);
+
 /// A name of letters, digits, '_', '-' and '.' for files and objects; "kind" if nothing else remains.
 std::string file_name_of(std::string_view name);
 /// The names of files of some kinds, told apart in any case by a number behind them.

@@ -1,7 +1,9 @@
 // dmvv seeds FILE -o PREFIX: seed files of molecules and of tables of placements, and a scene that uses them.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/App.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
@@ -21,6 +23,7 @@ struct SeedsOptions {
   std::string prefix;
   std::string format = "auto";
   bool scene = false;
+  std::string assembly;
   double radius = 0.0;  ///< of placements without a scale; 0: chosen
   authoring::TableOptions table_options;
   authoring::MoleculeOptions molecule_options;
@@ -127,6 +130,89 @@ int table_seeds(const SeedsOptions& options, Context& context) {
   return exit_done;
 }
 
+std::string operators_of(const authoring::Assembly& assembly) {
+  std::string text;
+  for (const authoring::AssemblyPart& part : assembly.parts)
+    text += fmt::format("{}{} of chains {}", text.empty() ? "" : "; ", plural(part.operators.size(), "operator"),
+                        fmt::join(part.chains, ", "));
+  return text;
+}
+
+authoring::Molecule read_assemblies(const SeedsOptions& options, Context& context) {
+  Diagnostics diagnostics;
+  authoring::MoleculeOptions molecule_options = options.molecule_options;
+  molecule_options.assemblies = true;
+  auto molecule = authoring::parse_molecule(options.input, read_bytes(options.input), molecule_options, diagnostics);
+  context.stopwatch.lap("read");
+  if (!molecule) stop_with(diagnostics, context);
+  return std::move(*molecule);
+}
+
+int list_assemblies(const SeedsOptions& options, Context& context) {
+  const authoring::Molecule molecule = read_assemblies(options, context);
+  std::string text = fmt::format("{}: {}\n", options.input,
+                                 molecule.assemblies.empty() ? "no assemblies" : "assemblies");
+  for (const authoring::Assembly& assembly : molecule.assemblies)
+    text += fmt::format("  {}: {}\n", assembly.id, operators_of(assembly));
+  print_result(text);
+  return exit_done;
+}
+
+[[noreturn]] void refuse_assembly(const SeedsOptions& options, fmt::format_string<const std::string&> message,
+                                  Context& context) {
+  Diagnostics diagnostics;
+  diagnostics.report(Code::molecule_assembly, {diagnostics.add_source(options.input, ""), 0, 0},
+                     fmt::format(message, options.assembly));
+  stop_with(diagnostics, context);
+}
+
+int assembly_seeds(const SeedsOptions& options, Context& context) {
+  const std::string stem = stem_of(options.prefix);
+  Outputs outputs;
+  if (options.scene) outputs.announce(options.prefix + ".voml");
+  const authoring::Molecule molecule = read_assemblies(options, context);
+  const auto assembly = std::ranges::find(molecule.assemblies, options.assembly, &authoring::Assembly::id);
+  if (assembly == molecule.assemblies.end())
+    refuse_assembly(options, "there is no assembly '{}'; --assembly list tells which there are", context);
+
+  const authoring::PlacedAssembly placed = authoring::place_assembly(molecule, *assembly);
+  if (placed.units.empty())
+    refuse_assembly(options, "the assembly '{}' holds no atom that is to be drawn", context);
+  std::vector<authoring::PlacedObject> objects;
+  std::size_t atoms = 0;
+  for (std::size_t i = 0; i < placed.units.size(); ++i) {
+    const authoring::PlacedUnit& unit = placed.units[i];
+    const std::string name = i == 0 ? "UNIT" : fmt::format("UNIT_{}", i + 1);
+    const std::string path = fmt::format("{}_{}", options.prefix, name);
+    const auto elements = authoring::element_seeds(unit.atoms, unit.frame);
+    for (const authoring::ElementSeeds& element : elements) {
+      write(outputs, fmt::format("{}_{}.txt", path, element.element->symbol), element.seeds);
+      write(outputs, fmt::format("{}_{}_scale.txt", path, element.element->symbol), element.scales);
+    }
+    write_placements(outputs, path, authoring::placement_files(unit.placements, placed.frame));
+    objects.push_back({name, unit.placements.size(),
+                       authoring::molecule_object(name, elements, fmt::format("{}_{}", stem, name))});
+    atoms += unit.atoms.size() * unit.placements.size();
+  }
+  context.stopwatch.lap("seeds");
+  if (options.scene) {
+    outputs.write_bytes(
+        options.prefix + ".voml",
+        authoring::placed_scene(objects, stem,
+                                fmt::format("Assembly {} of {}", options.assembly, file_name(options.input))));
+  }
+  outputs.commit();
+  context.stopwatch.lap("write");
+  if (context.quiet) return exit_done;
+  print_result(fmt::format("{}: {} ({})\n{}{}{}", options.prefix, plural(atoms, "atom"), operators_of(*assembly),
+                           left_out(molecule), frame_note(placed.frame, "A"),
+                           molecule.repaired_operators == 0
+                               ? ""
+                               : fmt::format("  repaired {}, not quite orthogonal\n",
+                                             plural(molecule.repaired_operators, "operator"))));
+  return exit_done;
+}
+
 int molecule_seeds(const SeedsOptions& options, Context& context) {
   const std::string stem = stem_of(options.prefix);
   Outputs outputs;
@@ -167,6 +253,10 @@ int seeds(const SeedsOptions& options, Context& context) {
   const std::string format = format_of(options);
   if (format != "table" && (!options.table_options.columns.empty() || options.radius != 0.0))
     fail_usage(fmt::format("--columns and --radius are for tables; {} is read as a molecule", options.input));
+  if (format == "table" && !options.assembly.empty()) fail_usage("--assembly is for molecules, not for tables");
+  if (options.assembly == "list") return list_assemblies(options, context);
+  if (options.prefix.empty()) fail_usage("-o PREFIX is needed: where the files' names begin");
+  if (!options.assembly.empty()) return assembly_seeds(options, context);
   return format == "table" ? table_seeds(options, context) : molecule_seeds(options, context);
 }
 
@@ -182,7 +272,6 @@ void add_seeds(CLI::App& app, Invocation& invocation) {
       .add_option("-o,--output", options->prefix,
                   "Writes PREFIX_C.txt (places) and PREFIX_C_scale.txt (sizes) for carbon, and so on for each element\n"
                   "or kind; for kinds PREFIX_C_rotate.txt (angles) too")
-      ->required()
       ->type_name("PREFIX");
   command
       .add_option("--format", options->format,
@@ -191,6 +280,10 @@ void add_seeds(CLI::App& app, Invocation& invocation) {
       ->type_name("FORMAT");
   command.add_flag("--voml", options->scene, "Also write PREFIX.voml, a scene of them in colours");
   command.add_flag("--water", options->molecule_options.keep_water, "Keep water (HOH, DOD, WAT)");
+  command
+      .add_option("--assembly", options->assembly,
+                  "An assembly of the file: its unit is an object that stands once an operator; list tells which there are")
+      ->type_name("ID");
   command
       .add_option("--columns", options->table_options.columns,
                   "Names of a table's columns instead of its own: x,y,z,kind")

@@ -225,3 +225,135 @@ TEST_CASE("a scene gives every placement back, inside the cube") {
   }
   CHECK(farthest == doctest::Approx(0.95));
 }
+
+namespace {
+
+Molecule read_assemblies(std::string_view text) {
+  Diagnostics diagnostics;
+  MoleculeOptions options;
+  options.assemblies = true;
+  auto molecule = parse_molecule("m", text, options, diagnostics);
+  REQUIRE_MESSAGE(molecule, diagnostics.render());
+  return *molecule;
+}
+
+void check_assemblies_refused(std::string_view text, std::string_view place_and_code) {
+  Diagnostics diagnostics;
+  MoleculeOptions options;
+  options.assemblies = true;
+  CHECK_FALSE(parse_molecule("m", text, options, diagnostics));
+  CHECK_MESSAGE(diagnostics.render().starts_with(place_and_code), diagnostics.render());
+}
+
+const std::string atoms_of_pdb =
+    "ATOM      1  C   GLY A   1      10.000   0.000   0.000  1.00 20.00           C  \n"
+    "ATOM      2  O   GLY B   1      12.000   1.000   3.000  1.00 20.00           O  \n";
+
+// The second operator turns x to y and moves by (1, 2, 3).
+const std::string quarter_of_pdb =
+    "REMARK 350 BIOMOLECULE: 1\n"
+    "REMARK 350 APPLY THE FOLLOWING TO CHAINS: A,\n"
+    "REMARK 350                    AND CHAINS: B\n"
+    "REMARK 350   BIOMT1   1  1.000000  0.000000  0.000000        0.00000\n"
+    "REMARK 350   BIOMT2   1  0.000000  1.000000  0.000000        0.00000\n"
+    "REMARK 350   BIOMT3   1  0.000000  0.000000  1.000000        0.00000\n"
+    "REMARK 350   BIOMT1   2  0.000000 -1.000000  0.000000        1.00000\n"
+    "REMARK 350   BIOMT2   2  1.000000  0.000000  0.000000        2.00000\n"
+    "REMARK 350   BIOMT3   2  0.000000  0.000000  1.000000        3.00000\n"
+    "REMARK 350 BIOMOLECULE: 2\n"
+    "REMARK 350 APPLY THE FOLLOWING TO CHAINS: B\n"
+    "REMARK 350   BIOMT1   1  1.000000  0.000000  0.000000        5.00000\n"
+    "REMARK 350   BIOMT2   1  0.000000  1.000000  0.000000        0.00000\n"
+    "REMARK 350   BIOMT3   1  0.000000  0.000000  1.000000        0.00000\n";
+
+std::string operators_of_cif(std::string_view expression) {
+  std::string text = "data_M\nloop_\n_atom_site.type_symbol\n_atom_site.label_asym_id\n_atom_site.Cartn_x\n"
+                     "_atom_site.Cartn_y\n_atom_site.Cartn_z\nC A 1 0 0\nO B 0 2 0\nloop_\n_pdbx_struct_oper_list.id\n";
+  for (int row = 1; row <= 3; ++row) {
+    for (int column = 1; column <= 3; ++column)
+      text += fmt::format("_pdbx_struct_oper_list.matrix[{}][{}]\n", row, column);
+    text += fmt::format("_pdbx_struct_oper_list.vector[{}]\n", row);
+  }
+  text += "1 1 0 0 0 0 1 0 0 0 0 1 0\n2 1 0 0 10 0 1 0 0 0 0 1 0\n3 1 0 0 20 0 1 0 0 0 0 1 0\n"
+          "P 0 -1 0 0 1 0 0 0 0 0 1 0\n";
+  return text + "_pdbx_struct_assembly_gen.assembly_id cell\n_pdbx_struct_assembly_gen.asym_id_list A,B\n" +
+         fmt::format("_pdbx_struct_assembly_gen.oper_expression '{}'\n", expression);
+}
+
+/// The x and y to which the operators bring the origin moved by 1 along x.
+std::vector<std::pair<double, double>> images(std::string_view expression) {
+  const Molecule molecule = read_assemblies(operators_of_cif(expression));
+  REQUIRE(molecule.assemblies.size() == 1);
+  CHECK(molecule.assemblies[0].id == "cell");
+  std::vector<std::pair<double, double>> result;
+  for (const Operator& op : molecule.assemblies[0].parts.at(0).operators) {
+    const glm::dvec3 p = op.rotation * glm::dvec3(1, 0, 0) + op.translation;
+    result.emplace_back(p.x, p.y);
+  }
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("assemblies of PDB: operators and chains, each atom where its operator brings it") {
+  const Molecule molecule = read_assemblies(quarter_of_pdb + atoms_of_pdb);
+  REQUIRE(molecule.assemblies.size() == 2);
+  CHECK(molecule.assemblies[0].id == "1");
+  CHECK(molecule.assemblies[0].parts.at(0).chains == std::vector<std::string>{"A", "B"});
+  CHECK(molecule.assemblies[1].parts.at(0).chains == std::vector<std::string>{"B"});
+  CHECK(molecule.repaired_operators == 0);
+
+  const PlacedAssembly placed = place_assembly(molecule, molecule.assemblies[0]);
+  REQUIRE(placed.units.size() == 1);
+  const PlacedUnit& unit = placed.units[0];
+  REQUIRE(unit.placements.size() == 2);
+  const glm::dvec3 expected[2][2] = {{{10, 0, 0}, {12, 1, 3}}, {{1, 12, 3}, {0, 14, 6}}};  // (-y + 1, x + 2, z + 3)
+  for (int op = 0; op < 2; ++op) {
+    for (int i = 0; i < 2; ++i) {
+      const Atom& atom = unit.atoms[static_cast<std::size_t>(i)];
+      const Placement& p = unit.placements[static_cast<std::size_t>(op)];
+      const glm::dvec3 local = (atom.position - unit.frame.center) / unit.frame.angstrom_per_unit;
+      const glm::dvec3 world = p.position + p.rotation * (p.scale * local);
+      CHECK(glm::distance(world, expected[op][i]) < 1e-12);
+      for (int axis = 0; axis < 3; ++axis)
+        CHECK(std::abs(world[axis] - placed.frame.center[axis]) + atom.element->radius <=
+              0.95 * placed.frame.angstrom_per_unit + 1e-9);
+    }
+  }
+  CHECK(place_assembly(molecule, molecule.assemblies[1]).units.at(0).atoms.size() == 1);
+}
+
+TEST_CASE("assemblies of PDB: faults at line and column") {
+  std::string number = quarter_of_pdb, order = quarter_of_pdb, mirror = quarter_of_pdb;
+  number.replace(number.find("1.00000\n", number.find("BIOMT1   2")), 7, "1.0000x");
+  check_assemblies_refused(number + atoms_of_pdb, "m:7:62: error[E0563]");
+  order.replace(order.find("BIOMT2   1"), 6, "BIOMT3");
+  check_assemblies_refused(order + atoms_of_pdb, "m:5:19: error[E0563]: the row BIOMT2");
+  mirror.replace(mirror.find(" 1.000000"), 9, "-1.000000");
+  // Serial numbers of four digits shift the columns.
+  std::string shifted = quarter_of_pdb;
+  for (std::size_t at; (at = shifted.find("   2 ")) != std::string::npos;) shifted.replace(at, 5, "  1680 ");
+  CHECK(read_assemblies(shifted + atoms_of_pdb).assemblies[0].parts[0].operators[1].translation == glm::dvec3(1, 2, 3));
+  check_assemblies_refused(mirror + atoms_of_pdb, "m:4:25: error[E0567]");
+}
+
+TEST_CASE("assemblies of mmCIF: lists, ranges and products of operators") {
+  using Points = std::vector<std::pair<double, double>>;
+  CHECK(images("1") == Points{{1, 0}});
+  CHECK(images("1,3") == Points{{1, 0}, {21, 0}});
+  CHECK(images("(1-3)") == Points{{1, 0}, {11, 0}, {21, 0}});
+  CHECK(images("P,1-2") == Points{{0, 1}, {1, 0}, {11, 0}});
+  // The right one acts first: move by 10, then turn x to y.
+  CHECK(images("(P)(2)") == Points{{0, 11}});
+  CHECK(images("(2,3)(P,1)") == Points{{10, 1}, {11, 0}, {20, 1}, {21, 0}});
+}
+
+TEST_CASE("assemblies of mmCIF: faults in expressions") {
+  // The value begins in column 44 of line 30, behind its quote.
+  check_assemblies_refused(operators_of_cif("1,4"), "m:30:46: error[E0563]: there is no operator '4'");
+  check_assemblies_refused(operators_of_cif("1-4"), "m:30:44: error[E0563]: there is no operator '4'");
+  check_assemblies_refused(operators_of_cif("3-1"), "m:30:44: error[E0563]: '3-1' is no range");
+  check_assemblies_refused(operators_of_cif("(1)(2"), "m:30:47: error[E0563]: a bracket");
+  check_assemblies_refused(operators_of_cif("1(2)"), "m:30:44: error[E0563]: an expression");
+  check_assemblies_refused(operators_of_cif(""), "m:30:44: error[E0563]: the operators of an assembly are not given");
+}
