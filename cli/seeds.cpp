@@ -1,4 +1,4 @@
-// dmvv seeds FILE -o PREFIX: seed files of molecules and of tables of placements, and a scene that uses them.
+// dmvv seeds FILE -o PREFIX: seed files of molecules, tables of placements and packings, and a scene that uses them.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "authoring/cellpack.h"
 #include "authoring/molecule.h"
 #include "authoring/placement_table.h"
 #include "authoring/placements.h"
@@ -130,6 +131,53 @@ int table_seeds(const SeedsOptions& options, Context& context) {
   return exit_done;
 }
 
+int cellpack_seeds(const SeedsOptions& options, Context& context) {
+  const std::string stem = stem_of(options.prefix);
+  Outputs outputs;
+  if (options.scene) outputs.announce(options.prefix + ".voml");
+  Diagnostics diagnostics;
+  const auto packing = authoring::parse_cellpack(options.input, read_bytes(options.input), diagnostics);
+  context.stopwatch.lap("read");
+  if (!packing) stop_with(diagnostics, context);
+
+  const authoring::MoleculeFrame frame = authoring::fit_packing(*packing);
+  std::vector<std::string> ingredient_names;
+  for (const authoring::Ingredient& ingredient : packing->ingredients) ingredient_names.push_back(ingredient.name);
+  const std::vector<std::string> names = authoring::file_names_of(ingredient_names);
+  std::vector<authoring::PlacedObject> objects;
+  std::size_t placements = 0, beads = 0;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const authoring::Ingredient& ingredient = packing->ingredients[i];
+    const authoring::MoleculeFrame own = authoring::fit_beads(ingredient);
+    std::vector<authoring::Placement> placed = ingredient.placements;
+    for (authoring::Placement& placement : placed) {
+      placement.position += placement.rotation * own.center;
+      placement.scale = glm::dvec3(own.angstrom_per_unit);
+    }
+    const std::string path = fmt::format("{}_{}", options.prefix, names[i]);
+    const authoring::PlacementFiles files = authoring::bead_files(ingredient, own);
+    write(outputs, path + "_bead.txt", files.seeds);
+    write(outputs, path + "_bead_scale.txt", files.scales);
+    write_placements(outputs, path, authoring::placement_files(placed, frame));
+    objects.push_back({names[i], placed.size(),
+                       authoring::bead_object(names[i], authoring::kind_rgb(i), fmt::format("{}_{}", stem, names[i]))});
+    placements += placed.size();
+    beads += ingredient.beads.size();
+  }
+  context.stopwatch.lap("seeds");
+  if (options.scene) {
+    outputs.write_bytes(options.prefix + ".voml",
+                        authoring::placed_scene(objects, stem, "The packing of " + file_name(options.input)));
+  }
+  outputs.commit();
+  context.stopwatch.lap("write");
+  if (context.quiet) return exit_done;
+  print_result(fmt::format("{}: {} of {} with {}\n{}{}", options.prefix, plural(placements, "placement"),
+                           plural(names.size(), "ingredient"), plural(beads, "bead"), frame_note(frame, "A"),
+                           repaired_note(packing->repaired, packing->worst)));
+  return exit_done;
+}
+
 std::string operators_of(const authoring::Assembly& assembly) {
   std::string text;
   for (const authoring::AssemblyPart& part : assembly.parts)
@@ -246,17 +294,19 @@ int molecule_seeds(const SeedsOptions& options, Context& context) {
 std::string format_of(const SeedsOptions& options) {
   if (options.format != "auto") return options.format;
   const std::string ending = voml::lower_case(std::filesystem::path(options.input).extension().string());
+  if (ending == ".json" || ending == ".cpr") return "cellpack";
   return ending == ".csv" || ending == ".tsv" || ending == ".txt" ? "table" : "molecule";
 }
 
 int seeds(const SeedsOptions& options, Context& context) {
   const std::string format = format_of(options);
   if (format != "table" && (!options.table_options.columns.empty() || options.radius != 0.0))
-    fail_usage(fmt::format("--columns and --radius are for tables; {} is read as a molecule", options.input));
-  if (format == "table" && !options.assembly.empty()) fail_usage("--assembly is for molecules, not for tables");
+    fail_usage(fmt::format("--columns and --radius are for tables; {} is read as {}", options.input, format));
+  if (format != "molecule" && !options.assembly.empty()) fail_usage("--assembly is for molecules");
   if (options.assembly == "list") return list_assemblies(options, context);
   if (options.prefix.empty()) fail_usage("-o PREFIX is needed: where the files' names begin");
   if (!options.assembly.empty()) return assembly_seeds(options, context);
+  if (format == "cellpack") return cellpack_seeds(options, context);
   return format == "table" ? table_seeds(options, context) : molecule_seeds(options, context);
 }
 
@@ -265,7 +315,7 @@ int seeds(const SeedsOptions& options, Context& context) {
 void add_seeds(CLI::App& app, Invocation& invocation) {
   auto options = std::make_shared<SeedsOptions>();
   CLI::App& command = *app.add_subcommand("seeds", "Make seed files, and a scene, from atoms or a table of placements");
-  command.add_option("FILE", options->input, "PDB or mmCIF file, or a table (CSV, TSV, blanks)")
+  command.add_option("FILE", options->input, "PDB or mmCIF file, a table (CSV, TSV, blanks), or a result of cellPACK")
       ->required()
       ->type_name("");
   command
@@ -275,8 +325,9 @@ void add_seeds(CLI::App& app, Invocation& invocation) {
       ->type_name("PREFIX");
   command
       .add_option("--format", options->format,
-                  "molecule, table or auto: .csv, .tsv and .txt are tables, all others molecules")
-      ->check(CLI::IsMember({"auto", "molecule", "table"}))
+                  "molecule, table, cellpack or auto: .csv, .tsv and .txt are tables, .json and .cpr results of cellPACK, all\n"
+                  "others molecules")
+      ->check(CLI::IsMember({"auto", "molecule", "table", "cellpack"}))
       ->type_name("FORMAT");
   command.add_flag("--voml", options->scene, "Also write PREFIX.voml, a scene of them in colours");
   command.add_flag("--water", options->molecule_options.keep_water, "Keep water (HOH, DOD, WAT)");

@@ -10,6 +10,7 @@
 #include <map>
 #include <set>
 
+#include "authoring/cellpack.h"
 #include "authoring/placement_table.h"
 #include "voml/scene.h"
 
@@ -357,3 +358,48 @@ TEST_CASE("assemblies of mmCIF: faults in expressions") {
   check_assemblies_refused(operators_of_cif("1(2)"), "m:30:44: error[E0563]: an expression");
   check_assemblies_refused(operators_of_cif(""), "m:30:44: error[E0563]: the operators of an assembly are not given");
 }
+
+TEST_CASE("cellPACK: beads and placements, wherever ingredients stand; faults") {
+  const auto read_packing = [](std::string_view text) {
+    Diagnostics diagnostics;
+    auto packing = parse_cellpack("c", text, diagnostics);
+    return std::pair(std::move(packing), diagnostics.render());
+  };
+  const std::string start = R"({"recipe":{"name":"n"},"compartments":{"in":{"interior":{"ingredients":{"A":{"results":)";
+  const std::string end = R"(},"none":{"results":[]}}}}}})";
+  const std::string turned = "[[[10,0,0],[0.7071067811865476,0,0,0.7071067811865476]]]";  // x -> y
+  const auto [packing, messages] = read_packing(start + turned + R"(,"positions":[[[1,0,0]]],"radii":[[2]])" + end);
+  REQUIRE_MESSAGE(packing, messages);
+  REQUIRE(packing->ingredients.size() == 1);
+  CHECK(packing->ingredients[0].name == "A");
+  CHECK(packing->repaired == 0);
+  const MoleculeFrame frame = fit_packing(*packing);  // one ball of radius 2 at (10, 1, 0)
+  CHECK(glm::distance(frame.center, glm::dvec3(10, 1, 0)) < 1e-12);
+  CHECK(frame.angstrom_per_unit == doctest::Approx(2 / 0.95));
+  CHECK(fit_beads(packing->ingredients[0]).center == glm::dvec3(1, 0, 0));
+  CHECK(bead_files(packing->ingredients[0], {{0, 0, 0}, 4}).seeds == "0.125000000 0.000000000 0.000000000\n");  // 1 / 8
+
+  CHECK(read_packing("{\n\"a\": x}").second.starts_with("c:2:6: error[E0568]"));
+  CHECK(read_packing("{}").second.find("E0568]: no ingredient") != std::string::npos);
+  CHECK(read_packing(start + turned + end).second.find("E0568]: 'A' has no beads") != std::string::npos);
+  CHECK(read_packing(start + turned + R"(,"positions":[[[1,0,0]]],"radii":[[2,3]])" + end)
+            .second.find("E0568]: 'A' has 1 beads and 2 radii") != std::string::npos);
+  CHECK(read_packing(start + "[[[1,0,0],[2,0,0,0]]]" + end).second.find("E0567]: the quaternion of placement 1 of 'A'") !=
+        std::string::npos);
+}
+
+#ifdef DMVV_HIV
+TEST_CASE("cellPACK: a mature HIV-1 particle, as many of each as its description says") {
+  Diagnostics diagnostics;
+  const auto packing = parse_cellpack("hiv", disk_files()(DMVV_HIV, 1u << 24).value(), diagnostics);
+  REQUIRE_MESSAGE(packing, diagnostics.render());
+  std::size_t placements = 0, beads = 0;
+  for (const Ingredient& ingredient : packing->ingredients) {
+    placements += ingredient.placements.size();
+    beads += ingredient.beads.size();
+  }
+  CHECK(packing->ingredients.size() == 26);
+  CHECK(placements == 11681);
+  CHECK(beads == 384);
+}
+#endif
