@@ -8,11 +8,15 @@
 #include <map>
 
 #include "authoring/molecule_readers.h"
+#include "authoring/placements.h"
 #include "voml/limits.h"
 #include "voml/text.h"
 
 namespace dmvv::authoring {
 namespace {
+
+/// PDB writes six decimals: entries of R^T R are off by up to 3 * 5e-7 * 2.
+constexpr double exact_operator = 4e-6;
 
 bool is_water(std::string_view residue) { return residue == "HOH" || residue == "DOD" || residue == "WAT"; }
 
@@ -22,28 +26,6 @@ std::string red_green_blue(std::uint32_t rgb) {
 }
 
 std::string vector_line(const glm::dvec3& v) { return fmt::format("{:.7f} {:.7f} {:.7f}\n", v.x, v.y, v.z); }
-
-/// In a comment two hyphens must not follow each other.
-std::string for_comment(std::string_view text) {
-  std::string result;
-  for (const char c : text) result += c == '-' && result.ends_with('-') ? " -" : std::string(1, c);
-  return result;
-}
-
-std::string for_attribute(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '"')
-      result += "&quot;";
-    else
-      result += c;
-  }
-  return result;
-}
 
 }  // namespace
 
@@ -86,7 +68,42 @@ void MoleculeBuilder::add(const AtomRecord& record) {
     ++molecule_.alternates;
     return;
   }
-  molecule_.atoms.push_back({*position, element});
+  const auto [chain, is_new] =
+      chains_.try_emplace(std::string(record.chain), static_cast<std::uint32_t>(molecule_.chains.size()));
+  if (is_new) molecule_.chains.emplace_back(record.chain);
+  molecule_.atoms.push_back({*position, element, chain->second});
+}
+
+void MoleculeBuilder::add_part(std::string_view id, AssemblyPart part) {
+  if (molecule_.assemblies.empty() || molecule_.assemblies.back().id != id)
+    molecule_.assemblies.push_back({std::string(id), {}});
+  std::ranges::sort(part.chains);
+  molecule_.assemblies.back().parts.push_back(std::move(part));
+}
+
+std::optional<Operator> MoleculeBuilder::read_operator(const std::string_view (&rows)[3][4]) {
+  glm::dmat3 matrix;
+  Operator result;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      const std::string_view text = rows[row][column];
+      const auto number = voml::parse_number(text);
+      if (!std::holds_alternative<double>(number)) {
+        report(Code::molecule_assembly, text,
+               fmt::format("a number of an operator is {}, not a finite number", voml::in_quotes(text)));
+        return std::nullopt;
+      }
+      (column < 3 ? matrix[column][row] : result.translation[row]) = std::get<double>(number);
+    }
+  }
+  const auto rotation = nearest_rotation(matrix);
+  if (!rotation) {
+    report(Code::not_a_rotation, rows[0][0], "the operator that begins here is too far from orthogonal, or mirrors");
+    return std::nullopt;
+  }
+  molecule_.repaired_operators += rotation->fault > exact_operator;
+  result.rotation = rotation->matrix;
+  return result;
 }
 
 std::optional<Molecule> MoleculeBuilder::finish(std::size_t errors_before) {
@@ -115,7 +132,7 @@ std::optional<Molecule> parse_molecule(const std::string& path, std::string_view
   try {
     looks_like_mmcif(builder.text()) ? read_mmcif(builder) : read_pdb(builder);
   } catch (const MoleculeRefusal& refusal) {
-    builder.report(Code::molecule_syntax, builder.text().substr(refusal.begin, refusal.end - refusal.begin),
+    builder.report(refusal.code, builder.text().substr(refusal.begin, refusal.end - refusal.begin),
                    refusal.message);
   }
   return builder.finish(errors_before);
@@ -145,7 +162,15 @@ std::vector<ElementSeeds> element_seeds(std::span<const Atom> atoms, const Molec
   return result;
 }
 
-std::string molecule_scene(std::span<const ElementSeeds> elements, const std::string& stem, std::string_view source) {
+std::vector<Atom> atoms_of(const Molecule& molecule, const AssemblyPart& part) {
+  std::vector<Atom> atoms;
+  std::ranges::copy_if(molecule.atoms, std::back_inserter(atoms), [&](const Atom& atom) {
+    return std::ranges::binary_search(part.chains, molecule.chains[atom.chain]);
+  });
+  return atoms;
+}
+
+std::string molecule_object(const std::string& name, std::span<const ElementSeeds> elements, const std::string& stem) {
   std::string sdfs, regions, open, close;
   for (const ElementSeeds& element : elements) {
     const std::string_view symbol = element.element->symbol;
@@ -159,10 +184,7 @@ std::string molecule_scene(std::span<const ElementSeeds> elements, const std::st
     open += fmt::format("      <SDF name=\"{0}\"><NEGATIVE region=\"R.{0}\"/><POSITIVE>\n", symbol);
     close += "      </POSITIVE></SDF>\n";
   }
-  return fmt::format(R"(<?xml version="1.0" encoding="UTF-8"?>
-<!-- The atoms of {} as van der Waals balls by element, the rarest first. Made by `dmvv seeds`. -->
-<MVV>
-  <OBJECT name="MOLECULE">
+  return fmt::format(R"(  <OBJECT name="{}">
 {}
     <REGION name="R.OUTSIDE" type="empty"/>
 {}
@@ -170,9 +192,17 @@ std::string molecule_scene(std::span<const ElementSeeds> elements, const std::st
 {}        <REGION name="R.OUTSIDE"/>
 {}    </MAPPINGS>
   </OBJECT>
-</MVV>
 )",
-                     for_comment(source), sdfs, regions, open, close);
+                     name, sdfs, regions, open, close);
+}
+
+std::string molecule_scene(std::span<const ElementSeeds> elements, const std::string& stem, std::string_view source) {
+  return fmt::format(R"(<?xml version="1.0" encoding="UTF-8"?>
+<!-- The atoms of {} as van der Waals balls by element, the rarest first. Made by `dmvv seeds`. -->
+<MVV>
+{}</MVV>
+)",
+                     for_comment(source), molecule_object("MOLECULE", elements, stem));
 }
 
 }  // namespace dmvv::authoring

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <span>
@@ -32,15 +33,40 @@ const Element* find_element(std::string_view symbol);
 struct Atom {
   glm::dvec3 position;  ///< angstrom, as in the file
   const Element* element;
+  std::uint32_t chain = 0;  ///< index into Molecule::chains
 };
 
 struct MoleculeOptions {
   bool keep_water = false;  ///< residues HOH, DOD and WAT
+  bool assemblies = false;  ///< read them too
 };
+
+/// p -> rotation * p + translation, in angstrom; the rotation is proper and orthogonal.
+struct Operator {
+  glm::dmat3 rotation{1.0};
+  glm::dvec3 translation{0.0};
+};
+
+/// The atoms of some chains stand once an operator.
+struct AssemblyPart {
+  std::vector<std::string> chains;  ///< sorted
+  std::vector<Operator> operators;
+};
+
+struct Assembly {
+  std::string id;
+  std::vector<AssemblyPart> parts;
+};
+
+/// More operators of one assembly are refused.
+inline constexpr std::size_t max_operators = 1u << 20;
 
 /// The atoms to draw, in file order, and how many the file has beside them.
 struct Molecule {
   std::vector<Atom> atoms;
+  std::vector<std::string> chains;     ///< mmCIF: label_asym_id, of which assemblies speak
+  std::vector<Assembly> assemblies;    ///< in file order; empty unless asked for
+  std::size_t repaired_operators = 0;  ///< off by more than six decimals explain
   std::size_t waters = 0;        ///< atoms of water left out
   std::size_t alternates = 0;    ///< atoms left out because their residue has an earlier alternate location
   std::size_t other_models = 0;  ///< atoms of models behind the first
@@ -52,7 +78,7 @@ struct Molecule {
 /// counts, of a residue's alternate locations the one named first; atoms without one always count. A PDB atom without
 /// an element (columns 77-78) has that of its name (columns 13-14).
 /// Errors: E0560 what breaks the rules of the format, E0561 an element that is not known, E0562 no atom that is to be
-/// drawn; then the result is empty. Faults of single atoms are reported together, others end the reading.
+/// drawn; E0563 an assembly that breaks the rules, E0567 an operator that is no rotation; then the result is empty. Faults of single atoms are reported together, others end the reading.
 /// Cost: linear in the file; the diagnostics keep a copy of it.
 std::optional<Molecule> parse_molecule(const std::string& path, std::string_view bytes, const MoleculeOptions& options,
                                        Diagnostics& diagnostics);
@@ -81,6 +107,12 @@ struct ElementSeeds {
 /// By element, the rarest first; equally many by atomic number. Where balls overlap and the first wins, the few oxygens
 /// and metals are then whole.
 std::vector<ElementSeeds> element_seeds(std::span<const Atom> atoms, const MoleculeFrame& frame);
+
+/// The atoms of one part of an assembly.
+std::vector<Atom> atoms_of(const Molecule& molecule, const AssemblyPart& part);
+
+/// An OBJECT that draws atoms: a seeded ball for each element, in its colour, as files `stem`_C.txt and so on.
+std::string molecule_object(const std::string& name, std::span<const ElementSeeds> elements, const std::string& stem);
 
 /// A scene that draws the molecule: a seeded ball for each element, in its colour, as files `stem`_C.txt and so on.
 /// `source` names the molecule's file in a comment.

@@ -1,9 +1,11 @@
 // mmCIF: the syntax of CIF 1.1 (Hall and McMahon 2005, International Tables for Crystallography G, chapter 2.2), of
-// which the category _atom_site is read.
+// which the categories _atom_site, _pdbx_struct_assembly_gen and _pdbx_struct_oper_list are read.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <map>
 
 #include "authoring/molecule_readers.h"
 #include "voml/text.h"
@@ -132,6 +134,7 @@ class CifReader {
       read_item();
     }
     if (!single_tags_.empty()) read_row(single_values_, columns_of(single_tags_));
+    if (builder_.wants_assemblies()) read_assemblies();
   }
 
  private:
@@ -164,6 +167,11 @@ class CifReader {
       single_tags_.push_back(tag);
       single_values_.push_back(token_);
     }
+    if (Category* const kept = category_of(tag.text)) {
+      kept->tags.push_back(tag);
+      if (kept->rows.empty()) kept->rows.emplace_back();
+      kept->rows.front().push_back(token_);
+    }
     advance();
   }
 
@@ -175,12 +183,15 @@ class CifReader {
     const bool wanted = is_atom_site(tags.front().text);
     const Columns columns = wanted ? columns_of(tags) : Columns{};
     found_ |= wanted;
+    Category* const kept = category_of(tags.front().text);
+    if (kept) *kept = {tags, {}};
     std::vector<Token> row;
     while (token_.kind == Token::Kind::value) {
       row.push_back(token_);
       advance();
       if (row.size() < tags.size()) continue;
       if (wanted) read_row(row, columns);
+      if (kept) kept->rows.push_back(row);
       row.clear();
     }
     if (!row.empty()) {
@@ -222,6 +233,7 @@ class CifReader {
                   value(type_symbol),
                   either(auth_comp_id, label_comp_id),
                   value(label_alt_id),
+                  either(label_asym_id, auth_asym_id),
                   fmt::format("{} {} {}", either(auth_asym_id, label_asym_id), either(auth_seq_id, label_seq_id),
                               value(pdbx_pdb_ins_code))});
   }
@@ -235,12 +247,137 @@ class CifReader {
     return all ? number.substr(0, open) : number;
   }
 
+  /// A category that is kept whole.
+  struct Category {
+    std::vector<Token> tags;
+    std::vector<std::vector<Token>> rows;
+  };
+  static constexpr std::string_view generators_name = "_pdbx_struct_assembly_gen.";
+  static constexpr std::string_view operators_name = "_pdbx_struct_oper_list.";
+
+  Category* category_of(std::string_view tag) {
+    const auto begins = [&](std::string_view name) { return voml::same_word(tag.substr(0, name.size()), name); };
+    return begins(generators_name) ? &generators_ : begins(operators_name) ? &operators_ : nullptr;
+  }
+
+  std::size_t column_of(const Category& table, std::string_view name, std::string_view item) const {
+    const auto found = std::ranges::find_if(table.tags, [&](const Token& tag) {
+      return voml::same_word(tag.text.substr(name.size()), item);
+    });
+    if (found == table.tags.end())
+      lexer_.refuse(table.tags.front().whole, fmt::format("the assemblies have no {}{}", name, item));
+    return static_cast<std::size_t>(found - table.tags.begin());
+  }
+
+  void read_assemblies() {
+    if (generators_.rows.empty()) return;
+    std::map<std::string_view, std::optional<Operator>> known;
+    if (!operators_.rows.empty()) {
+      const std::size_t id = column_of(operators_, operators_name, "id");
+      std::size_t columns[3][4];
+      for (std::size_t row = 0; row < 3; ++row)
+        for (std::size_t i = 0; i < 4; ++i)
+          columns[row][i] =
+              column_of(operators_, operators_name,
+                        i < 3 ? fmt::format("matrix[{}][{}]", row + 1, i + 1) : fmt::format("vector[{}]", row + 1));
+      for (const std::vector<Token>& values : operators_.rows) {
+        std::string_view rows[3][4];
+        for (std::size_t row = 0; row < 3; ++row)
+          for (std::size_t i = 0; i < 4; ++i) rows[row][i] = values[columns[row][i]].text;
+        known[values[id].text] = builder_.read_operator(rows);
+      }
+    }
+    const std::size_t id = column_of(generators_, generators_name, "assembly_id"),
+                      expression = column_of(generators_, generators_name, "oper_expression"),
+                      chains = column_of(generators_, generators_name, "asym_id_list");
+    for (const std::vector<Token>& row : generators_.rows) {
+      AssemblyPart part;
+      for (const std::string_view chain : split(row[chains].text)) part.chains.emplace_back(chain);
+      part.operators = operators_of(row[expression].text, known);
+      builder_.add_part(row[id].text, std::move(part));
+    }
+  }
+
+  static std::vector<std::string_view> split(std::string_view list) {
+    std::vector<std::string_view> parts;
+    for (std::size_t at = 0; at <= list.size();) {
+      const std::size_t end = std::min(list.find(',', at), list.size());
+      parts.push_back(voml::trim(list.substr(at, end - at)));
+      at = end + 1;
+    }
+    return parts;
+  }
+
+  /// "1,2,5-9" or "(1-60)(61-88)": every operator of the left list after every one of the right.
+  std::vector<Operator> operators_of(std::string_view expression,
+                                     const std::map<std::string_view, std::optional<Operator>>& known) const {
+    std::vector<Operator> product{Operator{}};
+    std::string_view rest = voml::trim(expression);
+    if (rest.empty()) refuse_expression(expression, "the operators of an assembly are not given");
+    while (!rest.empty()) {
+      std::string_view list = rest;
+      if (rest.front() == '(') {
+        const std::size_t close = rest.find(')');
+        if (close == rest.npos) refuse_expression(rest.substr(0, 1), "a bracket that is not closed");
+        list = rest.substr(1, close - 1);
+        rest = voml::trim(rest.substr(close + 1));
+      } else {
+        if (rest.data() != voml::trim(expression).data() || rest.find_first_of("()") != rest.npos)
+          refuse_expression(rest, "an expression of operators is one list, or lists in brackets");
+        rest = {};
+      }
+      std::vector<Operator> next;
+      const std::vector<Operator> factors = listed(list, known);
+      if (factors.size() * product.size() > max_operators)
+        refuse_expression(expression, fmt::format("an assembly of more than {} operators", max_operators));
+      for (const Operator& left : product)
+        for (const Operator& right : factors)
+          next.push_back({left.rotation * right.rotation, left.rotation * right.translation + left.translation});
+      product = std::move(next);
+    }
+    return product;
+  }
+
+  std::vector<Operator> listed(std::string_view list,
+                               const std::map<std::string_view, std::optional<Operator>>& known) const {
+    std::vector<Operator> result;
+    const auto add = [&](std::string_view id, std::string_view part) {
+      const auto found = known.find(id);
+      if (found == known.end()) refuse_expression(part, fmt::format("there is no operator {}", voml::in_quotes(id)));
+      if (found->second) result.push_back(*found->second);  // else its fault has been reported
+    };
+    for (const std::string_view part : split(list)) {
+      const std::size_t dash = part.find('-');
+      if (dash == part.npos || known.contains(part)) {
+        add(part, part);
+        continue;
+      }
+      const auto first = whole(part.substr(0, dash)), last = whole(part.substr(dash + 1));
+      if (!first || !last || *last < *first || *last - *first >= max_operators)
+        refuse_expression(part, fmt::format("{} is no range of operators", voml::in_quotes(part)));
+      for (std::size_t i = *first; i <= *last; ++i) add(std::to_string(i), part);
+    }
+    return result;
+  }
+
+  static std::optional<std::size_t> whole(std::string_view digits) {
+    std::size_t value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    return error == std::errc{} && end == digits.data() + digits.size() ? std::optional(value) : std::nullopt;
+  }
+
+  [[noreturn]] void refuse_expression(std::string_view part, std::string message) const {
+    const auto begin = static_cast<std::size_t>(part.data() - builder_.text().data());
+    throw MoleculeRefusal{begin, begin + part.size(), std::move(message), Code::molecule_assembly};
+  }
+
   MoleculeBuilder& builder_;
   Lexer lexer_;
   Token token_{};
   bool found_ = false;
   std::vector<Token> single_tags_, single_values_;
   std::string_view model_;
+  Category generators_, operators_;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// PDB, format 3.3: of its records ATOM, HETATM, ENDMDL and END.
+// PDB, format 3.3: of its records ATOM, HETATM, ENDMDL, END and REMARK 350.
 // https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html
 #include <fmt/format.h>
 
@@ -48,14 +48,92 @@ void read_atom(std::string_view line, MoleculeBuilder& builder) {
                element_of(line),
                trim(columns(line, 18, 20)),
                trim(columns(line, 17, 17)),
+               trim(columns(line, 22, 22)),
                std::string(columns(line, 22, 27))});
 }
+
+/// REMARK 350: BIOMOLECULE, the chains, and three BIOMT lines an operator.
+class AssemblyReader {
+ public:
+  explicit AssemblyReader(MoleculeBuilder& builder) : builder_(builder) {}
+
+  void read(std::string_view line) {
+    const std::string_view rest = trim(columns(line, 12, 80));
+    if (rest.starts_with("BIOMOLECULE:")) {
+      finish();
+      id_ = trim(rest.substr(12));
+    } else if (const std::size_t at = rest.find("CHAINS:"); at != rest.npos) {
+      if (rest.starts_with("APPLY")) finish();
+      add_chains(rest.substr(at + 7));
+    } else if (rest.starts_with("BIOMT")) {
+      read_row(line);
+    }
+  }
+
+  void finish() {
+    if (row_ != 0) builder_.report(Code::molecule_assembly, last_, "the operator that ends here has not three rows");
+    if (!part_.operators.empty()) builder_.add_part(id_, std::move(part_));
+    part_ = {};
+    row_ = 0;
+  }
+
+ private:
+  void add_chains(std::string_view list) {
+    for (std::size_t at = 0; at <= list.size();) {
+      const std::size_t end = std::min(list.find(',', at), list.size());
+      if (const std::string_view chain = trim(list.substr(at, end - at)); !chain.empty())
+        part_.chains.push_back(chain == "NULL" ? std::string() : std::string(chain));
+      at = end + 1;
+    }
+  }
+
+  /// Large assemblies shift the columns by long serial numbers; where numbers touch, the columns hold.
+  static std::vector<std::string_view> words_of(std::string_view text) {
+    std::vector<std::string_view> words;
+    for (std::size_t at = text.find_first_not_of(' '); at != text.npos; at = text.find_first_not_of(' ', at)) {
+      const std::size_t end = std::min(text.find(' ', at), text.size());
+      words.push_back(text.substr(at, end - at));
+      at = end;
+    }
+    return words;
+  }
+
+  void read_row(std::string_view line) {
+    last_ = line;
+    const std::vector<std::string_view> words = words_of(columns(line, 14, 80));
+    const std::string_view number = columns(line, 19, 19), serial = words.size() == 6 ? words[1] : columns(line, 20, 23);
+    if (number != std::string_view("123").substr(row_, 1) || (row_ != 0 && serial != serial_)) {
+      builder_.report(Code::molecule_assembly, number,
+                      fmt::format("the row BIOMT{} of an operator was expected here", row_ + 1));
+      row_ = 0;
+      return;
+    }
+    if (id_.empty() || part_.chains.empty()) {
+      builder_.report(Code::molecule_assembly, line, "an operator before BIOMOLECULE and CHAINS");
+      return;
+    }
+    serial_ = serial;
+    constexpr std::size_t first[] = {24, 34, 44, 54, 69};
+    for (std::size_t i = 0; i < 4; ++i)
+      rows_[row_][i] = words.size() == 6 ? words[i + 2] : trim(columns(line, first[i], first[i + 1] - 1));
+    if (++row_ < 3) return;
+    row_ = 0;
+    if (const auto op = builder_.read_operator(rows_)) part_.operators.push_back(*op);
+  }
+
+  MoleculeBuilder& builder_;
+  std::string_view id_, serial_, last_;
+  AssemblyPart part_;
+  std::string_view rows_[3][4];
+  std::size_t row_ = 0;
+};
 
 }  // namespace
 
 void read_pdb(MoleculeBuilder& builder) {
   const std::string_view text = builder.text();
   bool first_model = true;
+  AssemblyReader assemblies(builder);
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     std::string_view line = text.substr(begin, end - begin);
@@ -65,8 +143,11 @@ void read_pdb(MoleculeBuilder& builder) {
       first_model ? read_atom(line, builder) : builder.skip_other_model();
     } else if (line.starts_with("ENDMDL") || trim(line) == "END") {
       first_model = false;
+    } else if (builder.wants_assemblies() && line.starts_with("REMARK 350")) {
+      assemblies.read(line);
     }
   }
+  assemblies.finish();
 }
 
 }  // namespace dmvv::authoring

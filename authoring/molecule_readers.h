@@ -14,6 +14,7 @@ struct MoleculeRefusal {
   std::size_t begin;
   std::size_t end;
   std::string message;
+  Code code = Code::molecule_syntax;
 };
 
 /// An atom as it stands in a file; views into its text. Empty where the file says nothing.
@@ -22,6 +23,7 @@ struct AtomRecord {
   std::string_view element;
   std::string_view residue_name;
   std::string_view alternate;
+  std::string_view chain;
   std::string residue;  ///< what tells residues apart: chain, number, insertion code
 };
 
@@ -32,6 +34,11 @@ class MoleculeBuilder {
       : source_(source), text_(diagnostics.source_text(source)), options_(options), diagnostics_(diagnostics) {}
 
   std::string_view text() const { return text_; }
+  bool wants_assemblies() const { return options_.assemblies; }
+  /// Operators of `chains` for assembly `id`; further parts of one assembly follow each other.
+  void add_part(std::string_view id, AssemblyPart part);
+  /// An operator of three rows of four numbers; faults are reported at their place, and give none.
+  std::optional<Operator> read_operator(const std::string_view (&rows)[3][4]);
 
   /// An atom of the first model.
   void add(const AtomRecord& record);
@@ -49,6 +56,7 @@ class MoleculeBuilder {
   MoleculeOptions options_;
   Diagnostics& diagnostics_;
   Molecule molecule_;
+  std::unordered_map<std::string, std::uint32_t> chains_;
   std::unordered_map<std::string, std::string_view> first_alternate_;  ///< of each residue that has any
 };
 

@@ -1,22 +1,32 @@
-// dmvv seeds MOLECULE -o PREFIX: seed files by element, and a scene that uses them.
+// dmvv seeds FILE -o PREFIX: seed files of molecules, tables of placements and packings, and a scene that uses them.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/App.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
+#include "authoring/cellpack.h"
 #include "authoring/molecule.h"
+#include "authoring/placement_table.h"
+#include "authoring/placements.h"
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "cli/outputs.h"
+#include "voml/text.h"
 
 namespace dmvv::cli {
 namespace {
 
 struct SeedsOptions {
-  std::string molecule;
+  std::string input;
   std::string prefix;
+  std::string format = "auto";
   bool scene = false;
+  std::string assembly;
+  double radius = 0.0;  ///< of placements without a scale; 0: chosen
+  authoring::TableOptions table_options;
   authoring::MoleculeOptions molecule_options;
 };
 
@@ -49,7 +59,209 @@ std::string stem_of(const std::string& prefix) {
   return stem;
 }
 
-int seeds(const SeedsOptions& options, Context& context) {
+std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+
+void write(Outputs& outputs, const std::string& path, std::string_view bytes) {
+  outputs.announce(path);
+  outputs.write_bytes(path, bytes);
+}
+
+void write_placements(Outputs& outputs, const std::string& name, const authoring::PlacementFiles& files) {
+  write(outputs, name + ".txt", files.seeds);
+  write(outputs, name + "_rotate.txt", files.rotates);
+  write(outputs, name + "_scale.txt", files.scales);
+}
+
+/// "repaired 12 rotations"; nothing if there are none.
+std::string repaired_note(std::size_t repaired, double worst) {
+  if (repaired == 0) return {};
+  return fmt::format("  repaired {}, not quite orthogonal, by up to {:.2g}\n", plural(repaired, "rotation"), worst);
+}
+
+std::string frame_note(const authoring::MoleculeFrame& frame, std::string_view unit) {
+  return fmt::format("  1 unit = {:.4g} {}, the middle is {:.3f} {:.3f} {:.3f}\n", frame.angstrom_per_unit, unit,
+                     frame.center.x, frame.center.y, frame.center.z);
+}
+
+constexpr std::size_t listed_kinds = 12;
+
+int table_seeds(const SeedsOptions& options, Context& context) {
+  const std::string stem = stem_of(options.prefix);
+  Outputs outputs;
+  if (options.scene) outputs.announce(options.prefix + ".voml");
+  Diagnostics diagnostics;
+  auto table =
+      authoring::parse_placement_table(options.input, read_bytes(options.input), options.table_options, diagnostics);
+  context.stopwatch.lap("read");
+  if (!table) stop_with(diagnostics, context);
+
+  const double scale = options.radius != 0.0 ? options.radius : authoring::default_scale(*table);
+  std::vector<authoring::Placement> all;
+  std::vector<std::string> kind_names;
+  for (authoring::PlacedKind& kind : table->kinds) {
+    if (!table->has_scales)
+      for (authoring::Placement& placement : kind.placements) placement.scale = glm::dvec3(scale);
+    all.insert(all.end(), kind.placements.begin(), kind.placements.end());
+    kind_names.push_back(kind.name);
+  }
+  const authoring::MoleculeFrame frame = authoring::fit_placements(all);
+  const std::vector<std::string> names = authoring::file_names_of(kind_names);
+  std::vector<authoring::PlacedObject> objects;
+  std::string by_kind;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto& placements = table->kinds[i].placements;
+    write_placements(outputs, fmt::format("{}_{}", options.prefix, names[i]),
+                     authoring::placement_files(placements, frame));
+    objects.push_back({names[i], placements.size(),
+                       authoring::simple_object(names[i], authoring::kind_rgb(i), table->has_rotations)});
+    if (i < listed_kinds) by_kind += fmt::format("{}{} {}", i == 0 ? "" : ", ", names[i], placements.size());
+  }
+  if (names.size() > listed_kinds) by_kind += fmt::format(" and {} kinds more", names.size() - listed_kinds);
+  context.stopwatch.lap("seeds");
+  if (options.scene) {
+    outputs.write_bytes(options.prefix + ".voml",
+                        authoring::placed_scene(objects, stem, "The placements of " + file_name(options.input)));
+  }
+  outputs.commit();
+  context.stopwatch.lap("write");
+  if (context.quiet) return exit_done;
+  print_result(fmt::format("{}: {} ({})\n{}{}{}", options.prefix, plural(all.size(), "placement"), by_kind,
+                           frame_note(frame, "of the table"), repaired_note(table->repaired, table->worst),
+                           table->has_scales ? "" : fmt::format("  no scales: each is {:.4g} of the table\n", scale)));
+  return exit_done;
+}
+
+int cellpack_seeds(const SeedsOptions& options, Context& context) {
+  const std::string stem = stem_of(options.prefix);
+  Outputs outputs;
+  if (options.scene) outputs.announce(options.prefix + ".voml");
+  Diagnostics diagnostics;
+  const auto packing = authoring::parse_cellpack(options.input, read_bytes(options.input), diagnostics);
+  context.stopwatch.lap("read");
+  if (!packing) stop_with(diagnostics, context);
+
+  const authoring::MoleculeFrame frame = authoring::fit_packing(*packing);
+  std::vector<std::string> ingredient_names;
+  for (const authoring::Ingredient& ingredient : packing->ingredients) ingredient_names.push_back(ingredient.name);
+  const std::vector<std::string> names = authoring::file_names_of(ingredient_names);
+  std::vector<authoring::PlacedObject> objects;
+  std::size_t placements = 0, beads = 0;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const authoring::Ingredient& ingredient = packing->ingredients[i];
+    const authoring::MoleculeFrame own = authoring::fit_beads(ingredient);
+    std::vector<authoring::Placement> placed = ingredient.placements;
+    for (authoring::Placement& placement : placed) {
+      placement.position += placement.rotation * own.center;
+      placement.scale = glm::dvec3(own.angstrom_per_unit);
+    }
+    const std::string path = fmt::format("{}_{}", options.prefix, names[i]);
+    const authoring::PlacementFiles files = authoring::bead_files(ingredient, own);
+    write(outputs, path + "_bead.txt", files.seeds);
+    write(outputs, path + "_bead_scale.txt", files.scales);
+    write_placements(outputs, path, authoring::placement_files(placed, frame));
+    objects.push_back({names[i], placed.size(),
+                       authoring::bead_object(names[i], authoring::kind_rgb(i), fmt::format("{}_{}", stem, names[i]))});
+    placements += placed.size();
+    beads += ingredient.beads.size();
+  }
+  context.stopwatch.lap("seeds");
+  if (options.scene) {
+    outputs.write_bytes(options.prefix + ".voml",
+                        authoring::placed_scene(objects, stem, "The packing of " + file_name(options.input)));
+  }
+  outputs.commit();
+  context.stopwatch.lap("write");
+  if (context.quiet) return exit_done;
+  print_result(fmt::format("{}: {} of {} with {}\n{}{}", options.prefix, plural(placements, "placement"),
+                           plural(names.size(), "ingredient"), plural(beads, "bead"), frame_note(frame, "A"),
+                           repaired_note(packing->repaired, packing->worst)));
+  return exit_done;
+}
+
+std::string operators_of(const authoring::Assembly& assembly) {
+  std::string text;
+  for (const authoring::AssemblyPart& part : assembly.parts)
+    text += fmt::format("{}{} of chains {}", text.empty() ? "" : "; ", plural(part.operators.size(), "operator"),
+                        fmt::join(part.chains, ", "));
+  return text;
+}
+
+authoring::Molecule read_assemblies(const SeedsOptions& options, Context& context) {
+  Diagnostics diagnostics;
+  authoring::MoleculeOptions molecule_options = options.molecule_options;
+  molecule_options.assemblies = true;
+  auto molecule = authoring::parse_molecule(options.input, read_bytes(options.input), molecule_options, diagnostics);
+  context.stopwatch.lap("read");
+  if (!molecule) stop_with(diagnostics, context);
+  return std::move(*molecule);
+}
+
+int list_assemblies(const SeedsOptions& options, Context& context) {
+  const authoring::Molecule molecule = read_assemblies(options, context);
+  std::string text = fmt::format("{}: {}\n", options.input,
+                                 molecule.assemblies.empty() ? "no assemblies" : "assemblies");
+  for (const authoring::Assembly& assembly : molecule.assemblies)
+    text += fmt::format("  {}: {}\n", assembly.id, operators_of(assembly));
+  print_result(text);
+  return exit_done;
+}
+
+[[noreturn]] void refuse_assembly(const SeedsOptions& options, fmt::format_string<const std::string&> message,
+                                  Context& context) {
+  Diagnostics diagnostics;
+  diagnostics.report(Code::molecule_assembly, {diagnostics.add_source(options.input, ""), 0, 0},
+                     fmt::format(message, options.assembly));
+  stop_with(diagnostics, context);
+}
+
+int assembly_seeds(const SeedsOptions& options, Context& context) {
+  const std::string stem = stem_of(options.prefix);
+  Outputs outputs;
+  if (options.scene) outputs.announce(options.prefix + ".voml");
+  const authoring::Molecule molecule = read_assemblies(options, context);
+  const auto assembly = std::ranges::find(molecule.assemblies, options.assembly, &authoring::Assembly::id);
+  if (assembly == molecule.assemblies.end())
+    refuse_assembly(options, "there is no assembly '{}'; --assembly list tells which there are", context);
+
+  const authoring::PlacedAssembly placed = authoring::place_assembly(molecule, *assembly);
+  if (placed.units.empty())
+    refuse_assembly(options, "the assembly '{}' holds no atom that is to be drawn", context);
+  std::vector<authoring::PlacedObject> objects;
+  std::size_t atoms = 0;
+  for (std::size_t i = 0; i < placed.units.size(); ++i) {
+    const authoring::PlacedUnit& unit = placed.units[i];
+    const std::string name = i == 0 ? "UNIT" : fmt::format("UNIT_{}", i + 1);
+    const std::string path = fmt::format("{}_{}", options.prefix, name);
+    const auto elements = authoring::element_seeds(unit.atoms, unit.frame);
+    for (const authoring::ElementSeeds& element : elements) {
+      write(outputs, fmt::format("{}_{}.txt", path, element.element->symbol), element.seeds);
+      write(outputs, fmt::format("{}_{}_scale.txt", path, element.element->symbol), element.scales);
+    }
+    write_placements(outputs, path, authoring::placement_files(unit.placements, placed.frame));
+    objects.push_back({name, unit.placements.size(),
+                       authoring::molecule_object(name, elements, fmt::format("{}_{}", stem, name))});
+    atoms += unit.atoms.size() * unit.placements.size();
+  }
+  context.stopwatch.lap("seeds");
+  if (options.scene) {
+    outputs.write_bytes(
+        options.prefix + ".voml",
+        authoring::placed_scene(objects, stem,
+                                fmt::format("Assembly {} of {}", options.assembly, file_name(options.input))));
+  }
+  outputs.commit();
+  context.stopwatch.lap("write");
+  if (context.quiet) return exit_done;
+  print_result(fmt::format("{}: {} ({})\n{}{}{}", options.prefix, plural(atoms, "atom"), operators_of(*assembly),
+                           left_out(molecule), frame_note(placed.frame, "A"),
+                           molecule.repaired_operators == 0
+                               ? ""
+                               : fmt::format("  repaired {}, not quite orthogonal\n",
+                                             plural(molecule.repaired_operators, "operator"))));
+  return exit_done;
+}
+
+int molecule_seeds(const SeedsOptions& options, Context& context) {
   const std::string stem = stem_of(options.prefix);
   Outputs outputs;
   const std::string scene = options.prefix + ".voml";
@@ -57,25 +269,20 @@ int seeds(const SeedsOptions& options, Context& context) {
 
   Diagnostics diagnostics;
   const auto molecule =
-      authoring::parse_molecule(options.molecule, read_bytes(options.molecule), options.molecule_options, diagnostics);
+      authoring::parse_molecule(options.input, read_bytes(options.input), options.molecule_options, diagnostics);
   context.stopwatch.lap("read");
   if (!molecule) stop_with(diagnostics, context);
   const authoring::MoleculeFrame frame = authoring::fit_molecule(molecule->atoms);
   const std::vector<authoring::ElementSeeds> elements = authoring::element_seeds(molecule->atoms, frame);
   context.stopwatch.lap("seeds");
 
-  const auto write = [&](const std::string& path, std::string_view bytes) {
-    outputs.announce(path);
-    outputs.write_bytes(path, bytes);
-  };
   for (const authoring::ElementSeeds& element : elements) {
     const std::string name = fmt::format("{}_{}", options.prefix, element.element->symbol);
-    write(name + ".txt", element.seeds);
-    write(name + "_scale.txt", element.scales);
+    write(outputs, name + ".txt", element.seeds);
+    write(outputs, name + "_scale.txt", element.scales);
   }
   if (options.scene) {
-    const std::string source = std::filesystem::path(options.molecule).filename().string();
-    outputs.write_bytes(scene, authoring::molecule_scene(elements, stem, source));
+    outputs.write_bytes(scene, authoring::molecule_scene(elements, stem, file_name(options.input)));
   }
   outputs.commit();
   context.stopwatch.lap("write");
@@ -83,24 +290,67 @@ int seeds(const SeedsOptions& options, Context& context) {
   return exit_done;
 }
 
+/// What a file is, by the ending of its name where the option leaves it open.
+std::string format_of(const SeedsOptions& options) {
+  if (options.format != "auto") return options.format;
+  const std::string ending = voml::lower_case(std::filesystem::path(options.input).extension().string());
+  if (ending == ".json" || ending == ".cpr") return "cellpack";
+  return ending == ".csv" || ending == ".tsv" || ending == ".txt" ? "table" : "molecule";
+}
+
+int seeds(const SeedsOptions& options, Context& context) {
+  const std::string format = format_of(options);
+  if (format != "table" && (!options.table_options.columns.empty() || options.radius != 0.0))
+    fail_usage(fmt::format("--columns and --radius are for tables; {} is read as {}", options.input, format));
+  if (format != "molecule" && !options.assembly.empty()) fail_usage("--assembly is for molecules");
+  if (options.assembly == "list") return list_assemblies(options, context);
+  if (options.prefix.empty()) fail_usage("-o PREFIX is needed: where the files' names begin");
+  if (!options.assembly.empty()) return assembly_seeds(options, context);
+  if (format == "cellpack") return cellpack_seeds(options, context);
+  return format == "table" ? table_seeds(options, context) : molecule_seeds(options, context);
+}
+
 }  // namespace
 
 void add_seeds(CLI::App& app, Invocation& invocation) {
   auto options = std::make_shared<SeedsOptions>();
-  CLI::App& command = *app.add_subcommand("seeds", "Make seed files, and a scene, from a molecule's atoms");
-  command.add_option("MOLECULE", options->molecule, "PDB or mmCIF file")->required()->type_name("");
+  CLI::App& command = *app.add_subcommand("seeds", "Make seed files, and a scene, from atoms or a table of placements");
+  command.add_option("FILE", options->input, "PDB or mmCIF file, a table (CSV, TSV, blanks), or a result of cellPACK")
+      ->required()
+      ->type_name("");
   command
       .add_option("-o,--output", options->prefix,
-                  "Writes PREFIX_C.txt (places) and PREFIX_C_scale.txt (radii) for carbon, and so on for each element")
-      ->required()
+                  "Writes PREFIX_C.txt (places) and PREFIX_C_scale.txt (sizes) for carbon, and so on for each element\n"
+                  "or kind; for kinds PREFIX_C_rotate.txt (angles) too")
       ->type_name("PREFIX");
-  command.add_flag("--voml", options->scene, "Also write PREFIX.voml, a scene of coloured balls");
+  command
+      .add_option("--format", options->format,
+                  "molecule, table, cellpack or auto: .csv, .tsv and .txt are tables, .json and .cpr results of cellPACK, all\n"
+                  "others molecules")
+      ->check(CLI::IsMember({"auto", "molecule", "table", "cellpack"}))
+      ->type_name("FORMAT");
+  command.add_flag("--voml", options->scene, "Also write PREFIX.voml, a scene of them in colours");
   command.add_flag("--water", options->molecule_options.keep_water, "Keep water (HOH, DOD, WAT)");
+  command
+      .add_option("--assembly", options->assembly,
+                  "An assembly of the file: its unit is an object that stands once an operator; list tells which there are")
+      ->type_name("ID");
+  command
+      .add_option("--columns", options->table_options.columns,
+                  "Names of a table's columns instead of its own: x,y,z,kind")
+      ->type_name("NAMES");
+  command.add_option("--radius", options->radius, "Half the edge of a placement's cube, for a table without scales")
+      ->check(CLI::PositiveNumber)
+      ->type_name("R");
   add_common_options(command, invocation.context);
   command.footer(
       "The molecule fills the standard cube; 0.9 in a seed's cube is the van der Waals radius. Of several models, and\n"
       "of the alternate locations of a residue, the first is taken.\n"
-      "Example:  dmvv seeds 2hhb.pdb -o haemoglobin --voml");
+      "A table's first row names its columns: x y z; a rotation as qw qx qy qz, as rx ry rz (degrees, Rz Ry Rx) or as\n"
+      "m00 to m22 (row, column; from m11 to m33 too); scale or sx sy sz; kind. Others are left out. '#' begins a "
+      "comment.\n"
+      "Examples: dmvv seeds 2hhb.pdb -o haemoglobin --voml\n"
+      "          dmvv seeds grains.csv -o grains --voml");
   command.callback([&invocation, options] {
     invocation.command = [options](Context& context) { return seeds(*options, context); };
   });

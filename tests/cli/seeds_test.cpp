@@ -62,3 +62,56 @@ TEST_CASE("faults: place and exit code; nothing is written") {
   CHECK(run_dmvv({"seeds", good}).exit_code == 2);
   CHECK(folder.listing().size() == 2);
 }
+
+TEST_CASE("a table: files by kind, a scene that holds no mistake, the scale and repairs reported") {
+  const Folder folder;
+  // Cubes of half-edge 1 at -9 and 9 along x: from -10 to 10, 0.95 units are 10.
+  const std::string table = folder.write("t.csv",
+                                         "x,y,z,qw,qx,qy,qz,scale,kind\n"
+                                         "-9,0,0,1,0,0,0,1,rod\n9,0,0,0.7071,0,0,0.7071,1,grain of sand\n");
+  const Run run = run_dmvv({"seeds", table, "-o", folder.file("t"), "--voml"});
+  CAPTURE(run.err);
+  REQUIRE(run.exit_code == 0);
+  CHECK(run.out.find("2 placements (rod 1, grain_of_sand 1)") != std::string::npos);
+  CHECK(run.out.find("repaired 1 rotation, not quite orthogonal") != std::string::npos);
+  CHECK(folder.read("t_rod.txt") == "-0.427500000 0.000000000 0.000000000\n");  // -9 / 2 * 0.095
+  CHECK(folder.read("t_rod_scale.txt") == "0.095 0.095 0.095\n");
+  CHECK(folder.read("t_grain_of_sand_rotate.txt").find(" 90.0000000\n") != std::string::npos);
+  const Run check = run_dmvv({"check", "--strict", folder.file("t.voml")});
+  CAPTURE(check.err);
+  CHECK(check.exit_code == 0);
+  const Run fault = run_dmvv({"seeds", folder.write("f.csv", "x,y,z\n1,2,x\n"), "-o", folder.file("f")});
+  CHECK(fault.exit_code == 1);
+  CHECK(fault.err.find("f.csv:2:5: error[E0564]") != std::string::npos);
+  CHECK(run_dmvv({"seeds", table, "-o", folder.file("u"), "--radius", "-1"}).exit_code == 2);
+  CHECK(run_dmvv({"seeds", table, "-o", folder.file("u"), "--format", "molecule", "--columns", "x"}).exit_code == 2);
+}
+
+TEST_CASE("--assembly: the unit embedded once an operator, a list of assemblies, an unknown one") {
+  const Folder folder;
+  const std::string pdb = folder.write("co.pdb", std::string("REMARK 350 BIOMOLECULE: 1\n"
+                                                             "REMARK 350 APPLY THE FOLLOWING TO CHAINS: A\n"
+                                                             "REMARK 350   BIOMT1   1  1.0  0.0  0.0   0.0\n"
+                                                             "REMARK 350   BIOMT2   1  0.0  1.0  0.0   0.0\n"
+                                                             "REMARK 350   BIOMT3   1  0.0  0.0  1.0   0.0\n"
+                                                             "REMARK 350   BIOMT1   2  0.0 -1.0  0.0   0.0\n"
+                                                             "REMARK 350   BIOMT2   2  1.0  0.0  0.0   0.0\n"
+                                                             "REMARK 350   BIOMT3   2  0.0  0.0  1.0   0.0\n") +
+                                                     carbonyl);
+  const Run list = run_dmvv({"seeds", pdb, "--assembly", "list"});
+  CHECK(list.exit_code == 0);
+  CHECK(list.out.find("  1: 2 operators of chains A\n") != std::string::npos);
+  const Run run = run_dmvv({"seeds", pdb, "-o", folder.file("a"), "--assembly", "1", "--voml"});
+  CAPTURE(run.err);
+  REQUIRE(run.exit_code == 0);
+  CHECK(run.out.find("4 atoms (2 operators of chains A)") != std::string::npos);
+  // Both axes from -1.70 to 13.52: half of that is 0.95 units.
+  CHECK(run.out.find("1 unit = 8.011 A, the middle is 5.910 5.910 0.000") != std::string::npos);
+  CHECK(folder.read("a_UNIT_rotate.txt").ends_with(" 90.0000000\n"));
+  const Run check = run_dmvv({"check", "--strict", folder.file("a.voml")});
+  CAPTURE(check.err);
+  CHECK(check.exit_code == 0);
+  const Run unknown = run_dmvv({"seeds", pdb, "-o", folder.file("b"), "--assembly", "9"});
+  CHECK(unknown.exit_code == 1);
+  CHECK(unknown.err.find("co.pdb: error[E0563]: there is no assembly '9'") != std::string::npos);
+}

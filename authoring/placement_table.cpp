@@ -1,0 +1,297 @@
+#include "authoring/placement_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <map>
+
+#include "voml/limits.h"
+#include "voml/text.h"
+
+namespace dmvv::authoring {
+namespace {
+
+constexpr std::size_t absent = static_cast<std::size_t>(-1);
+
+/// The columns that have a meaning. Matrices are named row, column; those counted from 1 are renamed before.
+enum Column : std::size_t { x, y, z, qw, qx, qy, qz, rx, ry, rz, m00, scale = m00 + 9, sx, sy, sz, kind, column_count };
+constexpr std::array<std::string_view, column_count> column_names{
+    "x",   "y",   "z",   "qw",  "qx",  "qy",  "qz",  "rx",    "ry", "rz", "m00", "m01",
+    "m02", "m10", "m11", "m12", "m20", "m21", "m22", "scale", "sx", "sy", "sz",  "kind"};
+
+using Columns = std::array<std::size_t, column_count>;
+
+/// Ends the reading: what follows cannot be trusted.
+struct Refusal {};
+
+class TableReader {
+ public:
+  TableReader(SourceId source, const TableOptions& options, Diagnostics& diagnostics)
+      : source_(source), text_(diagnostics.source_text(source)), options_(options), diagnostics_(diagnostics) {}
+
+  void read() {
+    for (std::size_t begin = text_.starts_with("\xef\xbb\xbf") ? 3 : 0; begin < text_.size();) {
+      const std::size_t end = std::min(text_.find('\n', begin), text_.size());
+      read_line(text_.substr(begin, end - begin));
+      begin = end + 1;
+    }
+    if (rows_ == 0 && !failed_) report(Code::table_without_rows, text_.substr(0, 0), "the table holds no row");
+  }
+
+  PlacementTable table;
+
+ private:
+  void report(Code code, std::string_view part, std::string message) {
+    const auto begin = static_cast<std::uint32_t>(part.data() - text_.data());
+    diagnostics_.report(code, {source_, begin, begin + static_cast<std::uint32_t>(part.size())}, std::move(message));
+    failed_ = true;
+  }
+
+  [[noreturn]] void refuse(Code code, std::string_view part, std::string message) {
+    report(code, part, std::move(message));
+    throw Refusal{};
+  }
+
+  static bool is_number(std::string_view field) { return std::holds_alternative<double>(voml::parse_number(field)); }
+
+  /// Up to a '#' outside quotes, and the blanks before it.
+  static std::string_view without_comment(std::string_view line) {
+    bool quoted = false;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      if (line[i] == '"') quoted = !quoted;
+      if (line[i] != '#' || quoted) continue;
+      while (i > 0 && voml::is_blank(line[i - 1])) --i;
+      return line.substr(0, i);
+    }
+    return line;
+  }
+
+  /// Fields without the blanks and quotes round them; a quoted field may hold separators.
+  std::vector<std::string_view> fields_of(std::string_view line) {
+    std::vector<std::string_view> fields;
+    const bool blanks = separator_ == ' ';
+    for (std::size_t at = 0; at <= line.size();) {
+      while (at < line.size() && line[at] != separator_ && voml::is_blank(line[at])) ++at;
+      while (blanks && at < line.size() && voml::is_blank(line[at])) ++at;
+      if (blanks && at == line.size()) break;
+      const auto ends = [&](std::size_t i) { return blanks ? voml::is_blank(line[i]) : line[i] == separator_; };
+      std::size_t end = at;
+      std::string_view field;
+      if (at < line.size() && line[at] == '"') {
+        const std::size_t close = line.find('"', at + 1);
+        if (close == line.npos)
+          refuse(Code::table_syntax, line.substr(at, 1), "a quote that is not closed on its line");
+        field = line.substr(at + 1, close - at - 1);
+        end = close + 1;
+        while (end < line.size() && !ends(end) && voml::is_blank(line[end])) ++end;
+        if (end < line.size() && !ends(end))
+          refuse(Code::table_syntax, line.substr(end, 1), "text behind a closing quote");
+      } else {
+        while (end < line.size() && !ends(end)) ++end;
+        field = voml::trim(line.substr(at, end - at));
+      }
+      fields.push_back(field);
+      at = end + 1;
+    }
+    return fields;
+  }
+
+  void read_line(std::string_view line) {
+    line = without_comment(line);
+    while (line.ends_with('\r')) line.remove_suffix(1);
+    if (voml::trim(line).empty()) return;
+    if (separator_ == 0) {
+      const auto has = [&](char c) { return voml::trim(line).find(c) != line.npos; };
+      separator_ = has('\t') ? '\t' : has(',') ? ',' : has(';') ? ';' : ' ';
+      if (separator_ == ' ') line = voml::trim(line);
+      return read_first(line);
+    }
+    read_row(line);
+  }
+
+  void read_first(std::string_view line) {
+    const std::vector<std::string_view> fields = fields_of(line);
+    const bool header = std::ranges::none_of(fields, is_number);
+    std::vector<std::string> names;
+    if (!options_.columns.empty()) {
+      for (std::size_t at = 0; at <= options_.columns.size();) {
+        const std::size_t end = std::min(options_.columns.find(',', at), options_.columns.size());
+        names.push_back(std::string(voml::trim(options_.columns.substr(at, end - at))));
+        at = end + 1;
+      }
+      if (names.size() != fields.size())
+        refuse(Code::table_columns, line,
+               fmt::format("the row has {} fields, --columns names {}", fields.size(), names.size()));
+    } else if (header) {
+      names.assign(fields.begin(), fields.end());
+    } else if (fields.size() == 3 || fields.size() == 4) {
+      names = {"x", "y", "z"};
+      if (fields.size() == 4) names.push_back(is_number(fields[3]) ? "scale" : "kind");
+    } else {
+      refuse(Code::table_columns, line,
+             fmt::format("{} fields without names; give a first row of names, or --columns", fields.size()));
+    }
+    width_ = fields.size();
+    name_columns(names, fields, line, header && options_.columns.empty());
+    if (!header) read_row(line);
+  }
+
+  /// `in_file`: the names are the fields of this line.
+  void name_columns(std::vector<std::string> names, const std::vector<std::string_view>& fields, std::string_view line,
+                    bool in_file) {
+    for (std::string& name : names) name = voml::lower_case(name);
+    const auto named = [&](std::string_view name) { return std::ranges::find(names, name) != names.end(); };
+    if (named("m33") && !named("m00")) {
+      for (std::string& name : names) {
+        if (name.size() == 3 && name[0] == 'm' && name[1] >= '1' && name[1] <= '3' && name[2] >= '1' && name[2] <= '3')
+          name = {'m', static_cast<char>(name[1] - 1), static_cast<char>(name[2] - 1)};
+      }
+    }
+    columns_.fill(absent);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const auto found = std::ranges::find(column_names, names[i]);
+      if (found == column_names.end()) continue;
+      std::size_t& column = columns_[static_cast<std::size_t>(found - column_names.begin())];
+      if (column != absent)
+        refuse(Code::table_columns, in_file ? fields[i] : line, fmt::format("the column '{}' stands twice", names[i]));
+      column = i;
+    }
+    const bool matrix = group(m00, 9, line), quaternion = group(qw, 4, line), euler = group(rx, 3, line),
+               three_scales = group(sx, 3, line);
+    if (!group(x, 3, line))
+      refuse(Code::table_columns, line,
+             "the table has no columns x, y and z; name them in a first row, or by --columns");
+    if (matrix + quaternion + euler > 1)
+      refuse(Code::table_columns, line, "the table has rotations of two forms; leave one out by --columns");
+    if (three_scales && columns_[scale] != absent)
+      refuse(Code::table_columns, line, "the table has both 'scale' and 'sx'; leave one out by --columns");
+    form_ = matrix ? m00 : quaternion ? qw : euler ? rx : column_count;
+    table.has_rotations = form_ != column_count;
+    table.has_scales = three_scales || columns_[scale] != absent;
+  }
+
+  /// Whether columns first, first + 1, ... are there; some but not all of them is an error.
+  bool group(std::size_t first, std::size_t count, std::string_view line) {
+    const auto there = [&](std::size_t i) { return columns_[i] != absent; };
+    std::size_t missing = absent, found = absent;
+    for (std::size_t i = first; i < first + count; ++i) (there(i) ? found : missing) = i;
+    if (found != absent && missing != absent) {
+      refuse(
+          Code::table_columns, line,
+          fmt::format("the table has a column '{}' but none named '{}'", column_names[found], column_names[missing]));
+    }
+    return found != absent;
+  }
+
+  void read_row(std::string_view line) {
+    if (separator_ == ' ') line = voml::trim(line);
+    const std::vector<std::string_view> fields = fields_of(line);
+    ++rows_;
+    if (fields.size() != width_) {
+      return report(Code::table_syntax, line,
+                    fmt::format("the row has {} fields, the first one {}", fields.size(), width_));
+    }
+    bool good = true;
+    const auto value = [&](std::size_t column) {
+      const std::string_view field = fields[columns_[column]];
+      const auto number = voml::parse_number(field);
+      if (const double* const v = std::get_if<double>(&number)) return *v;
+      report(Code::table_syntax, field.empty() ? line : field,
+             fmt::format("'{}' is {}, not a finite number", column_names[column], voml::in_quotes(field)));
+      good = false;
+      return 0.0;
+    };
+    Placement placement;
+    placement.position = {value(x), value(y), value(z)};
+    std::optional<Rotation> rotation = Rotation{glm::dmat3(1.0), 0.0};
+    if (form_ == rx) rotation->matrix = euler_rotation({value(rx), value(ry), value(rz)});
+    if (form_ == qw) rotation = quaternion_rotation(value(qw), value(qx), value(qy), value(qz));
+    if (form_ == m00) {
+      glm::dmat3 m;
+      for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column)
+          m[column][row] = value(m00 + static_cast<std::size_t>(3 * row + column));
+      rotation = nearest_rotation(m);
+    }
+    if (good && !rotation) {
+      good = false;
+      report(Code::not_a_rotation, fields[columns_[form_]],
+             form_ == m00 ? "the matrix that begins here is too far from orthogonal, or mirrors"
+                          : "the quaternion of this row is too far from unit length");
+    }
+    if (columns_[scale] != absent) placement.scale = glm::dvec3(value(scale));
+    if (columns_[sx] != absent) placement.scale = {value(sx), value(sy), value(sz)};
+    for (int axis = 0; good && axis < 3; ++axis) {
+      if (placement.scale[axis] > 0.0 && voml::usable_scale(placement.scale[axis])) continue;
+      good = false;
+      const std::size_t column = columns_[scale] != absent ? scale : sx + static_cast<std::size_t>(axis);
+      report(Code::table_syntax, fields[columns_[column]],
+             fmt::format("'{}' is {}, it must be greater than zero", column_names[column],
+                         voml::in_quotes(fields[columns_[column]])));
+    }
+    if (!good) return;
+    placement.rotation = rotation->matrix;
+    table.repaired += rotation->fault > exact_rotation;
+    table.worst = std::max(table.worst, rotation->fault);
+    const std::string name = columns_[kind] == absent ? "kind" : std::string(fields[columns_[kind]]);
+    const auto [place, is_new] = kinds_.try_emplace(name, table.kinds.size());
+    if (is_new) table.kinds.push_back({name, {}});
+    table.kinds[place->second].placements.push_back(placement);
+  }
+
+  SourceId source_;
+  std::string_view text_;
+  const TableOptions& options_;
+  Diagnostics& diagnostics_;
+  char separator_ = 0;
+  std::size_t width_ = 0, rows_ = 0;
+  Columns columns_{};
+  std::size_t form_ = column_count;  ///< the first column of the rotations
+  bool failed_ = false;
+  std::map<std::string, std::size_t> kinds_;
+};
+
+}  // namespace
+
+std::optional<PlacementTable> parse_placement_table(const std::string& path, std::string_view bytes,
+                                                    const TableOptions& options, Diagnostics& diagnostics) {
+  const std::size_t errors_before = diagnostics.error_count();
+  const bool too_long = bytes.size() > voml::max_file_bytes;
+  const bool compressed = bytes.starts_with("\x1f\x8b");
+  const SourceId source = diagnostics.add_source(path, too_long || compressed ? "" : std::string(bytes));
+  if (too_long || compressed) {
+    diagnostics.report(Code::table_syntax, {source, 0, 0},
+                       compressed ? "the file is compressed; unpack it first: gunzip" : "the file is 4 GiB or longer");
+    return std::nullopt;
+  }
+  TableReader reader(source, options, diagnostics);
+  try {
+    reader.read();
+  } catch (const Refusal&) {
+  }
+  if (diagnostics.error_count() != errors_before) return std::nullopt;
+  return std::move(reader.table);
+}
+
+double default_scale(const PlacementTable& table) {
+  glm::dvec3 lo = table.kinds.front().placements.front().position, hi = lo;
+  std::size_t count = 0;
+  for (const PlacedKind& kind : table.kinds) {
+    count += kind.placements.size();
+    for (const Placement& placement : kind.placements) {
+      lo = glm::min(lo, placement.position);
+      hi = glm::max(hi, placement.position);
+    }
+  }
+  glm::dvec3 side = hi - lo;
+  const double longest = std::max({side.x, side.y, side.z});
+  if (longest == 0.0) return 1.0;
+  for (int axis = 0; axis < 3; ++axis)
+    if (side[axis] < 0.01 * longest) side[axis] = longest;
+  return 0.5 * std::cbrt(side.x * side.y * side.z / static_cast<double>(count));
+}
+
+}  // namespace dmvv::authoring
