@@ -52,13 +52,7 @@ std::string summary(const SeedsOptions& options, const authoring::Molecule& mole
                      frame.center.x, frame.center.y, frame.center.z);
 }
 
-/// The part of a prefix behind its folder; it begins the files' names.
-std::string stem_of(const std::string& prefix) {
-  const std::string stem = std::filesystem::path(prefix).filename().string();
-  if (stem.empty()) fail_usage(fmt::format("-o {}: the prefix ends with '/', a name is needed behind it", prefix));
-  return stem;
-}
-
+/// The part of a path behind its folder.
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 void write(Outputs& outputs, const std::string& path, std::string_view bytes) {
@@ -70,6 +64,19 @@ void write_placements(Outputs& outputs, const std::string& name, const authoring
   write(outputs, name + ".txt", files.seeds);
   write(outputs, name + "_rotate.txt", files.rotates);
   write(outputs, name + "_scale.txt", files.scales);
+}
+
+/// Writes the scene of the objects, if it is asked for, and puts every output in its place. `what` of the input it shows.
+void write_scene(Outputs& outputs, const SeedsOptions& options, std::span<const authoring::PlacedObject> objects,
+                 std::string_view what, Context& context) {
+  context.stopwatch.lap("seeds");
+  if (options.scene) {
+    outputs.write_bytes(options.prefix + ".voml",
+                        authoring::placed_scene(objects, file_name(options.prefix),
+                                                fmt::format("{} of {}", what, file_name(options.input))));
+  }
+  outputs.commit();
+  context.stopwatch.lap("write");
 }
 
 /// "repaired 12 rotations"; nothing if there are none.
@@ -86,7 +93,6 @@ std::string frame_note(const authoring::MoleculeFrame& frame, std::string_view u
 constexpr std::size_t listed_kinds = 12;
 
 int table_seeds(const SeedsOptions& options, Context& context) {
-  const std::string stem = stem_of(options.prefix);
   Outputs outputs;
   if (options.scene) outputs.announce(options.prefix + ".voml");
   Diagnostics diagnostics;
@@ -117,13 +123,7 @@ int table_seeds(const SeedsOptions& options, Context& context) {
     if (i < listed_kinds) by_kind += fmt::format("{}{} {}", i == 0 ? "" : ", ", names[i], placements.size());
   }
   if (names.size() > listed_kinds) by_kind += fmt::format(" and {} kinds more", names.size() - listed_kinds);
-  context.stopwatch.lap("seeds");
-  if (options.scene) {
-    outputs.write_bytes(options.prefix + ".voml",
-                        authoring::placed_scene(objects, stem, "The placements of " + file_name(options.input)));
-  }
-  outputs.commit();
-  context.stopwatch.lap("write");
+  write_scene(outputs, options, objects, "The placements", context);
   if (context.quiet) return exit_done;
   print_result(fmt::format("{}: {} ({})\n{}{}{}", options.prefix, plural(all.size(), "placement"), by_kind,
                            frame_note(frame, "of the table"), repaired_note(table->repaired, table->worst),
@@ -132,7 +132,7 @@ int table_seeds(const SeedsOptions& options, Context& context) {
 }
 
 int cellpack_seeds(const SeedsOptions& options, Context& context) {
-  const std::string stem = stem_of(options.prefix);
+  const std::string stem = file_name(options.prefix);
   Outputs outputs;
   if (options.scene) outputs.announce(options.prefix + ".voml");
   Diagnostics diagnostics;
@@ -164,13 +164,7 @@ int cellpack_seeds(const SeedsOptions& options, Context& context) {
     placements += placed.size();
     beads += ingredient.beads.size();
   }
-  context.stopwatch.lap("seeds");
-  if (options.scene) {
-    outputs.write_bytes(options.prefix + ".voml",
-                        authoring::placed_scene(objects, stem, "The packing of " + file_name(options.input)));
-  }
-  outputs.commit();
-  context.stopwatch.lap("write");
+  write_scene(outputs, options, objects, "The packing", context);
   if (context.quiet) return exit_done;
   print_result(fmt::format("{}: {} of {} with {}\n{}{}", options.prefix, plural(placements, "placement"),
                            plural(names.size(), "ingredient"), plural(beads, "bead"), frame_note(frame, "A"),
@@ -215,7 +209,7 @@ int list_assemblies(const SeedsOptions& options, Context& context) {
 }
 
 int assembly_seeds(const SeedsOptions& options, Context& context) {
-  const std::string stem = stem_of(options.prefix);
+  const std::string stem = file_name(options.prefix);
   Outputs outputs;
   if (options.scene) outputs.announce(options.prefix + ".voml");
   const authoring::Molecule molecule = read_assemblies(options, context);
@@ -242,15 +236,7 @@ int assembly_seeds(const SeedsOptions& options, Context& context) {
                        authoring::molecule_object(name, elements, fmt::format("{}_{}", stem, name))});
     atoms += unit.atoms.size() * unit.placements.size();
   }
-  context.stopwatch.lap("seeds");
-  if (options.scene) {
-    outputs.write_bytes(
-        options.prefix + ".voml",
-        authoring::placed_scene(objects, stem,
-                                fmt::format("Assembly {} of {}", options.assembly, file_name(options.input))));
-  }
-  outputs.commit();
-  context.stopwatch.lap("write");
+  write_scene(outputs, options, objects, fmt::format("Assembly {}", options.assembly), context);
   if (context.quiet) return exit_done;
   print_result(fmt::format("{}: {} ({})\n{}{}{}", options.prefix, plural(atoms, "atom"), operators_of(*assembly),
                            left_out(molecule), frame_note(placed.frame, "A"),
@@ -262,7 +248,7 @@ int assembly_seeds(const SeedsOptions& options, Context& context) {
 }
 
 int molecule_seeds(const SeedsOptions& options, Context& context) {
-  const std::string stem = stem_of(options.prefix);
+  const std::string stem = file_name(options.prefix);
   Outputs outputs;
   const std::string scene = options.prefix + ".voml";
   if (options.scene) outputs.announce(scene);
@@ -305,6 +291,8 @@ int seeds(const SeedsOptions& options, Context& context) {
   if (format != "molecule" && !options.assembly.empty()) fail_usage("--assembly is for molecules");
   if (options.assembly == "list") return list_assemblies(options, context);
   if (options.prefix.empty()) fail_usage("-o PREFIX is needed: where the files' names begin");
+  if (file_name(options.prefix).empty())
+    fail_usage(fmt::format("-o {}: the prefix ends with '/', a name is needed behind it", options.prefix));
   if (!options.assembly.empty()) return assembly_seeds(options, context);
   if (format == "cellpack") return cellpack_seeds(options, context);
   return format == "table" ? table_seeds(options, context) : molecule_seeds(options, context);
