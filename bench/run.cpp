@@ -88,7 +88,7 @@ Result<Built> build(const SceneSource& source, const Settings& settings, Kernel 
     runtime::Timings timings;
     const auto picture = evaluator->render(*view, &timings);
     if (!picture) return tl::unexpected(picture.error());
-    if (is_first) add(steps, "pipeline", ms_of(timings, "pipeline"));  // later the driver knows it
+    if (is_first) add(steps, "pipeline", ms_of(timings, "pipeline"));  // the driver knows it from then on
   }
   return Built{std::move(*program), std::move(*evaluator)};
 }
@@ -195,7 +195,7 @@ Result<void> time_points(runtime::Evaluator& evaluator, Truth& truth, const Effo
   return {};
 }
 
-Result<void> measure(runtime::Device& device, Truth& truth, Measurement& result) {
+Result<void> measure_on(runtime::Device& device, Truth& truth, Measurement& result) {
   const Case& what = result.what;
   runtime::View view = truth.view(what.size_px);
   view.samples = what.settings.samples;
@@ -239,6 +239,14 @@ Result<void> measure(runtime::Device& device, Truth& truth, Measurement& result)
   return what.effort.probe_rounds != 0 ? time_points(built->evaluator, truth, what.effort, result) : Result<void>{};
 }
 
+Result<void> measure(const runtime::DeviceOptions& options, Truth& truth, Measurement& result) {
+  auto device = runtime::Device::create(options);
+  if (!device) return tl::unexpected(device.error());
+  auto done = measure_on(*device, truth, result);
+  result.validation_messages = device->validation_messages();
+  return done;
+}
+
 std::string one_line(const Error& error) {
   return error.reasons.empty() ? error.message : error.message + ": " + error.reasons.front();
 }
@@ -256,7 +264,8 @@ std::vector<double> samples_of(const Measurement& measurement, const std::string
   return found == measurement.steps.end() ? std::vector<double>{} : found->ms;
 }
 
-std::vector<Measurement> run_cases(runtime::Device& device, const std::vector<Case>& cases, const RunOptions& options) {
+std::vector<Measurement> run_cases(const runtime::DeviceOptions& device, const std::vector<Case>& cases,
+                                   const RunOptions& options) {
   const auto start = Clock::now();
   std::vector<Measurement> results;
   std::string scene_key;

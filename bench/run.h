@@ -31,6 +31,7 @@ struct RegionErrors {
 struct Measurement {
   Case what;
   std::string failure;  ///< why there is nothing else; empty: measured
+  std::vector<std::string> validation_messages;  ///< none, or the figures are worth nothing
 
   // ---- times ----
   std::vector<Step> steps;       ///< of each build: "read", "compile", "SPIR-V", "upload", "pipeline", in this order
@@ -65,7 +66,9 @@ struct RunOptions {
 };
 
 /// Runs the cases in order, one measurement each. A case that fails is a measurement with its reason. Cases that need
-/// distance grids are left out where a scene has none.
-std::vector<Measurement> run_cases(runtime::Device& device, const std::vector<Case>& cases, const RunOptions& options);
+/// distance grids are left out where a scene has none. Each case opens a device of its own: with `driver_cache` false none
+/// finds a pipeline that an earlier one has compiled.
+std::vector<Measurement> run_cases(const runtime::DeviceOptions& device, const std::vector<Case>& cases,
+                                   const RunOptions& options);
 
 }  // namespace dmvv::bench

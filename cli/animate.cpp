@@ -299,7 +299,7 @@ int animate(const AnimateOptions& options, Context& context) {
 
   notice_signals();
   draw_frames(evaluator, view, plan, frames, folder, options, context);
-  if (const int exit_code = exit_code_of(device); exit_code != exit_done) return exit_code;
+  if (const int exit_code = exit_code_of(device.validation_messages()); exit_code != exit_done) return exit_code;
   if (stop_signal != 0) return stopped(context);
   if (plan.clip && options.frames.empty()) {
     const int exit_code = make_clip(plan, view.size_px, folder, options, context);

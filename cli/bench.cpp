@@ -131,8 +131,9 @@ int bench_command(const BenchOptions& options, Context& context) {
   const bench::Plan plan = bench::make_plan(plan_of);
 
   // The driver's cache begins empty: a pipeline that an earlier run compiled would cost nothing.
-  runtime::Device device = must(runtime::Device::create(
-      {.name = options.device.name, .validation = options.device.validation, .driver_cache = options.driver_cache}));
+  const runtime::DeviceOptions opening{
+      .name = options.device.name, .validation = options.device.validation, .driver_cache = options.driver_cache};
+  runtime::Device device = must(runtime::Device::create(opening));
   context.stopwatch.lap("device");
   bench::Report report;
   report.set = options.scenes.empty() ? options.set : "scenes";
@@ -149,14 +150,17 @@ int bench_command(const BenchOptions& options, Context& context) {
       if (!first) bar.advance();
       first = false;
     };
-    report.measurements = bench::run_cases(device, plan.cases, run);
+    report.measurements = bench::run_cases(opening, plan.cases, run);
   }
   if (options.scenes.empty() && options.set == "stress") report.stress = run_stress(device, options.quick);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   report.fits = bench::fit_series(report.measurements);
   context.stopwatch.lap("bench");
 
-  if (const int exit_code = exit_code_of(device); exit_code != exit_done) return exit_code;
+  std::vector<std::string> messages = device.validation_messages();
+  for (const bench::Measurement& m : report.measurements)
+    messages.insert(messages.end(), m.validation_messages.begin(), m.validation_messages.end());
+  if (const int exit_code = exit_code_of(messages); exit_code != exit_done) return exit_code;
   write(options, gnuplot, report);
   print_result(bench::to_table(report));
   return exit_done;

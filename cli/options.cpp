@@ -154,8 +154,7 @@ runtime::Device await_device(OpeningDevice& opening, Context& context) {
   return device;
 }
 
-int exit_code_of(const runtime::Device& device) {
-  const std::vector<std::string> messages = device.validation_messages();
+int exit_code_of(const std::vector<std::string>& messages) {
   if (messages.empty()) return exit_done;
   print_error({Fault::environment, "the validation layer has " + plural(messages.size(), "message"), messages});
   return exit_environment;

@@ -72,8 +72,8 @@ OpeningDevice begin_device(const DeviceChoice& choice);
 /// Waits for the device, once; the lap "device" is what there was to wait for.
 runtime::Device await_device(OpeningDevice& opening, Context& context);
 
-/// The exit code of a command that used the device: its validation messages go to stderr and make it 2.
-int exit_code_of(const runtime::Device& device);
+/// The exit code of a command that used a device: messages of the validation layer go to stderr and make it 2.
+int exit_code_of(const std::vector<std::string>& validation_messages);
 
 /// Reads a mesh; mistakes are printed and stop the command.
 voml::Mesh read_mesh(const std::string& path, Context& context, Diagnostics& diagnostics,

@@ -119,7 +119,7 @@ int probe_vulkan(const ProbeOptions& options, std::span<const glm::dvec3> points
   auto evaluator = must(runtime::Evaluator::create(device, program, &timings));
   const auto answers = must(evaluator.probe(points, options.time_ms, &timings));
   context.stopwatch.lap(timings, "other");
-  if (const int exit_code = exit_code_of(device); exit_code != exit_done) return exit_code;
+  if (const int exit_code = exit_code_of(device.validation_messages()); exit_code != exit_done) return exit_code;
   print_answers(points, answers, program.regions, options.json);
   context.stopwatch.lap("print");
   return exit_done;

@@ -118,7 +118,7 @@ int render(const RenderOptions& options, Context& context) {
   context.stopwatch.lap(timings, "other");
 
   warn_of_open_edges(picture.open_edges, options.view, context);
-  if (const int exit_code = exit_code_of(device); exit_code != exit_done) return exit_code;
+  if (const int exit_code = exit_code_of(device.validation_messages()); exit_code != exit_done) return exit_code;
   write(outputs, options, aovs, picture, program.regions);
   context.stopwatch.lap("encode");
   if (!context.quiet) {

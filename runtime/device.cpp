@@ -6,6 +6,7 @@
 #include <cctype>
 #include <chrono>
 #include <cstdlib>
+#include <deque>
 #include <filesystem>
 #include <string_view>
 
@@ -221,10 +222,13 @@ class TemporaryFolder {
   std::string path_;
 };
 
-/// The driver finds an empty cache, this process' own. Without any, lavapipe would compile its vertex shaders anew for
+/// The driver finds an empty cache, this device's own. Without any, lavapipe would compile its vertex shaders anew for
 /// every frame (some 25 ms). Drivers read these when the instance is made; there is no call for it.
 void empty_driver_cache() {
-  static const TemporaryFolder folder;
+  static std::mutex mutex;
+  static std::deque<TemporaryFolder> folders;  // they go with the process: a driver may write to the end
+  const std::lock_guard lock(mutex);
+  const TemporaryFolder& folder = folders.emplace_back();
   if (folder.path().empty()) {
     setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
     setenv("__GL_SHADER_DISK_CACHE", "0", 1);

@@ -22,7 +22,8 @@ namespace dmvv::runtime {
 struct DeviceOptions {
   std::string name;  ///< part of a device's name, any case; empty: the first discrete GPU, else integrated, else CPU
   bool validation = false;  ///< Khronos validation layer on; its messages are collected
-  /// False: the driver's own shader cache begins empty, in a folder that goes with the process (set by its environment).
+  /// False: the driver's own shader cache begins empty for this device, in a folder that goes with the process (set by
+  /// its environment: not while other threads read that).
   bool driver_cache = true;
   /// Keeps pipelines for those drivers that give them away; may be null.
   std::shared_ptr<const DiskCache> cache = nullptr;

@@ -13,12 +13,6 @@ using namespace dmvv::bench;
 
 namespace {
 
-runtime::Device& device() {
-  static auto device = runtime::Device::create({});
-  REQUIRE_MESSAGE(device, device.error().message);
-  return *device;
-}
-
 /// Quick cases of a section, with as little effort as tells something.
 std::vector<Case> few(const std::string& section, const std::vector<std::string>& variant_names) {
   std::vector<Case> chosen;
@@ -37,7 +31,7 @@ std::vector<Case> few(const std::string& section, const std::vector<std::string>
 }  // namespace
 
 TEST_CASE("trilinear grids converge with the square of their step, and no certain point is wrong") {
-  const auto measurements = run_cases(device(), few("boundary", {"specialised", "table"}), {});
+  const auto measurements = run_cases({}, few("boundary", {"specialised", "table"}), {});
   REQUIRE(measurements.size() >= 4);
   for (const Measurement& m : measurements) {
     CAPTURE(m.what.id);
@@ -70,7 +64,7 @@ TEST_CASE("trilinear grids converge with the square of their step, and no certai
 }
 
 TEST_CASE("more samples bring the colours nearer") {
-  const auto measurements = run_cases(device(), few("samples", {"specialised"}), {});
+  const auto measurements = run_cases({}, few("samples", {"specialised"}), {});
   REQUIRE(measurements.size() == 4);
   for (std::size_t i = 1; i < measurements.size(); ++i) {
     CHECK(measurements[i].color_rmse.value() < measurements[i - 1].color_rmse.value());
@@ -86,10 +80,10 @@ TEST_CASE("a case that cannot be measured says why, and the others are measured"
     source.files = memory_files({{"scene.voml", "<MVV><OBJECT/></MVV>"}});
     return source;
   };
-  const auto measurements = run_cases(device(), cases, {});
+  const auto measurements = run_cases({}, cases, {});
   REQUIRE(measurements.size() == 2);
   CHECK(measurements[0].failure.find("scene.voml") != std::string::npos);
   CHECK(measurements[1].failure.empty());
-  const auto late = run_cases(device(), cases, {.budget_s = 1e-9, .progress = {}});
+  const auto late = run_cases({}, cases, {.budget_s = 1e-9, .progress = {}});
   CHECK(late[1].failure.starts_with("left out"));
 }
