@@ -55,6 +55,7 @@ Json settings(const Settings& s) {
           {"atlas", name_of(s.atlas)},
           {"filter", name_of(s.filter)},
           {"samples", s.samples},
+          {"motion", name_of(s.motion)},
           {"disabled_passes", s.disabled_passes}};
 }
 

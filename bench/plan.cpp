@@ -262,10 +262,13 @@ const std::vector<Variant>& variants() {
         {"filter tricubic", {.filter = Filter::tricubic}, true},
         {"samples 2", {.samples = 2}, false},
         {"samples 4", {.samples = 4}, false},
+        {"camera held", {.motion = Motion::scene}, false},
+        {"nothing moves", {.motion = Motion::none}, false},
     };
     for (const compiler::PassInfo& pass : compiler::pass_names()) {
       rows.push_back({fmt::format("no {}", pass.name), {.disabled_passes = {std::string(pass.name)}}, false});
     }
+    rows.push_back({"no pixel-list", {.disabled_passes = {"pixel-list"}}, false});
     return rows;
   }();
   return table;
@@ -301,6 +304,11 @@ std::string name_of(TexelFormat format) {
 std::string name_of(Filter filter) {
   constexpr std::array names{"hardware", "shader", "tricubic"};
   return names[static_cast<std::size_t>(filter)];
+}
+
+std::string name_of(Motion motion) {
+  constexpr std::array names{"camera", "scene", "none"};
+  return names[static_cast<std::size_t>(motion)];
 }
 
 const std::vector<SetName>& set_names() {

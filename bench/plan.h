@@ -14,13 +14,21 @@
 
 namespace dmvv::bench {
 
+/// What changes from one timed frame to the next.
+enum class Motion : std::uint8_t {
+  camera,  ///< the camera moves: everything is drawn and evaluated anew
+  scene,   ///< only time goes on: what the camera sees of the mesh is kept
+  none,    ///< nothing
+};
+
 /// One way to compile and draw a scene.
 struct Settings {
   compiler::Codegen codegen = compiler::Codegen::specialised;
   compiler::TexelFormat atlas = compiler::TexelFormat::r32f;
   compiler::Filter filter = compiler::Filter::hardware;
   std::uint32_t samples = 1;  ///< per pixel along each axis
-  std::vector<std::string> disabled_passes{};
+  Motion motion = Motion::camera;
+  std::vector<std::string> disabled_passes{};  ///< of compiler::pass_names() and runtime::frame_pass_names()
 };
 
 /// A row of the table of settings. The first is what users get.
@@ -36,6 +44,7 @@ const Variant& variant(const std::string& name);
 std::string name_of(compiler::Codegen codegen);
 std::string name_of(compiler::TexelFormat format);
 std::string name_of(compiler::Filter filter);
+std::string name_of(Motion motion);
 
 /// How much is spent on one case.
 struct Effort {

@@ -199,6 +199,10 @@ Result<void> measure_on(runtime::Device& device, Truth& truth, Measurement& resu
   const Case& what = result.what;
   runtime::View view = truth.view(what.size_px);
   view.samples = what.settings.samples;
+  view.colors = runtime::Colors::bytes;
+  view.disabled_passes = what.settings.disabled_passes;
+  if (what.settings.motion != Motion::none) view.disabled_passes.emplace_back("keep-picture");
+  if (what.settings.motion == Motion::camera) view.disabled_passes.emplace_back("keep-surface");
 
   // ---- builds, the first with its memory ----
   std::optional<Built> built;

@@ -161,7 +161,7 @@ class FrameWriter {
 
   void add(std::uint32_t frame, runtime::Picture picture) {
     constexpr std::size_t budget_bytes = std::size_t{256} << 20;
-    const std::size_t bytes = picture.rgba.size() * sizeof(float);
+    const std::size_t bytes = picture.rgba8.size();
     const std::size_t most = std::clamp<std::size_t>(budget_bytes / bytes, 1, std::thread::hardware_concurrency() + 1);
     while (pending_.size() >= most) wait_for_first();
     pending_.push_back(
@@ -268,7 +268,9 @@ void print_summary(const Plan& plan, const AnimateOptions& options, const runtim
 int animate(const AnimateOptions& options, Context& context) {
   // Everything that can be refused without the scene comes first.
   runtime::View view = parse_view(options.view);
+  view.colors = runtime::Colors::bytes;
   const compiler::CompileOptions form = compile_options(options.codegen);
+  view.disabled_passes = form.disabled_passes;
   const Plan plan = make_plan(options, view.size_px);
 
   OpeningDevice opening = begin_device(options.device);

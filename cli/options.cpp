@@ -71,7 +71,7 @@ void add_codegen_options(CLI::App& command, CodegenChoice& choice) {
       .add_option("--filter", choice.filter,
                   "Distances between samples: hardware (default; trilinear), shader (trilinear in float32), tricubic")
       ->type_name("FILTER");
-  command.add_option("--disable", choice.disabled_passes, "Switch a compiler pass off (repeatable)")
+  command.add_option("--disable", choice.disabled_passes, "Switch a pass of the compiler or of a frame off (repeatable)")
       ->type_name("PASS")
       ->allow_extra_args(false);
 }
@@ -97,7 +97,8 @@ compiler::CompileOptions compile_options(const CodegenChoice& choice) {
                {"leave --atlas, --filter and --disable away"});
   }
 
-  const auto& passes = compiler::pass_names();
+  std::vector<compiler::PassInfo> passes = compiler::pass_names();
+  for (const auto& pass : runtime::frame_pass_names()) passes.push_back({pass.name, pass.what});
   for (const std::string& name : choice.disabled_passes) {
     if (std::ranges::any_of(passes, [&](const auto& pass) { return pass.name == name; })) continue;
     std::vector<std::string> reasons{"passes that can be switched off:"};

@@ -99,7 +99,9 @@ int render(const RenderOptions& options, Context& context) {
   const AovPaths aovs = parse_aovs(options.aovs);
   view.want_regions = !aovs.region.empty();
   view.want_depth = !aovs.depth.empty();
+  if (options.picture.ends_with(".png")) view.colors = runtime::Colors::bytes;
   const compiler::CompileOptions form = compile_options(options.codegen);
+  view.disabled_passes = form.disabled_passes;
   Outputs outputs;
   announce(outputs, options, aovs);
 

@@ -728,6 +728,8 @@ std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Ker
   if (!evaluation.functions.empty()) text += "#define DMVV_FUNCTIONS\n";
   text += shader_text::records;
   text += bindings(uses);
+  if (kernel == Kernel::pixels) text += shader_text::surface;
+  if (kernel == Kernel::pixels) text += shader_text::pixel_io;
   text += shader_text::evaluate;
   if (own_filter) text += shader_text::filter;
   text += evaluation.functions;

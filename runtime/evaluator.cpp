@@ -180,8 +180,8 @@ void Evaluator::Impl::upload(const compiler::Program& program) {
 /// Every submission is waited for, so nothing reads the values while they change.
 void Evaluator::Impl::set_time(double time_ms) {
   if (!time_buffer) return;
-  const std::vector<float> values = compiler::time_values(time_functions, time_ms);
-  std::memcpy(buffers[*time_buffer].mapped, values.data(), values.size() * sizeof(float));
+  time_values = compiler::time_values(time_functions, time_ms);
+  std::memcpy(buffers[*time_buffer].mapped, time_values.data(), time_values.size() * sizeof(float));
 }
 
 void Evaluator::Impl::bind_scene(const compiler::Program& program) {
@@ -237,12 +237,19 @@ vk::raii::DescriptorSet Evaluator::Impl::make_set(const vk::raii::DescriptorPool
 }
 
 Result<KernelPipeline> Evaluator::Impl::make_kernel(Kernel kernel, std::span<const vk::DescriptorType> io,
-                                                    std::uint32_t params_bytes) const {
+                                                    std::uint32_t params_bytes,
+                                                    std::span<const vk::Bool32> constants) const {
   const auto& words = code[static_cast<std::size_t>(kernel)];
   if (words.empty()) {
     return fail(Fault::environment, fmt::format("the program was compiled without its kernel '{}'",
                                                 kernel == Kernel::points ? "points" : "pixels"));
   }
+  return make_pipeline(words, io, params_bytes, constants);
+}
+
+KernelPipeline Evaluator::Impl::make_pipeline(std::span<const std::uint32_t> words,
+                                              std::span<const vk::DescriptorType> io, std::uint32_t params_bytes,
+                                              std::span<const vk::Bool32> constants) const {
   std::vector<vk::DescriptorSetLayoutBinding> bindings;
   for (std::uint32_t i = 0; i < io.size(); ++i) {
     bindings.push_back(
@@ -255,10 +262,16 @@ Result<KernelPipeline> Evaluator::Impl::make_kernel(Kernel kernel, std::span<con
   made.layout = gpu.device.createPipelineLayout(
       vk::PipelineLayoutCreateInfo{}.setSetLayouts(layouts).setPushConstantRanges(params));
   const vk::raii::ShaderModule module = gpu.make_shader(words.data(), words.size());
+  std::vector<vk::SpecializationMapEntry> entries;
+  for (std::uint32_t i = 0; i < constants.size(); ++i) entries.push_back({i, 4 * i, sizeof(vk::Bool32)});
+  const auto specialization = vk::SpecializationInfo{}.setMapEntries(entries).setData<vk::Bool32>(constants);
   const PipelineCache cache(gpu, words);
   made.pipeline = gpu.device.createComputePipeline(
-      cache.handle(), {.stage = {.stage = vk::ShaderStageFlagBits::eCompute, .module = *module, .pName = "main"},
-                .layout = *made.layout});
+      cache.handle(), {.stage = {.stage = vk::ShaderStageFlagBits::eCompute,
+                                 .module = *module,
+                                 .pName = "main",
+                                 .pSpecializationInfo = &specialization},
+                       .layout = *made.layout});
   cache.save();
   return made;
 }

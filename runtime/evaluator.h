@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <map>
 
 #include "runtime/gpu.h"
 #include "runtime/raster.h"
+#include "spirv/list_comp.h"
 
 namespace dmvv::runtime {
 
@@ -15,15 +17,50 @@ struct KernelPipeline {
   vk::raii::Pipeline pipeline{nullptr};
 };
 
-/// The images and buffers of tiles up to a size.
+/// What a frame brings back: the kernel is specialised to it.
+struct Wanted {
+  Colors colors = Colors::floats;
+  bool regions = false;
+  bool positions = false;
+  friend bool operator==(const Wanted&, const Wanted&) = default;
+};
+
+/// All that a tile's surface depends on; equal bytes are equal surfaces.
+struct SurfaceKey {
+  gpu::RasterParams raster{};
+  std::optional<SliceFrame> slice;
+  std::uint32_t mesh_serial = 0;
+  bool has_caps = false;
+  Tile tile;
+};
+bool operator==(const SurfaceKey& a, const SurfaceKey& b);
+
+/// All that a tile's colours depend on beside its surface.
+struct ShadingKey {
+  gpu::PixelsParams params{};
+  std::vector<float> time_values;
+};
+bool operator==(const ShadingKey& a, const ShadingKey& b);
+
+/// The images and buffers of tiles up to a size, and what they hold now.
 struct Frame {
   Targets targets;
-  GpuImage color, region;
-  GpuBuffer readback;  ///< colours, then positions (if needed), then region numbers, of a whole tile
-  bool has_positions = false;
-  GpuBuffer slice_positions;  ///< made for the first slice
+  Wanted wanted;
+  GpuImage color, bytes, region;  ///< those that are not wanted have one pixel
+  GpuBuffer list;                 ///< PixelListHeader, then a word a pixel
+  GpuBuffer readback;             ///< positions if wanted, colours, region numbers if wanted, a PixelListHeader
+  GpuBuffer slice_surface;        ///< made for the first slice
   vk::raii::DescriptorPool pool{nullptr};
   vk::raii::DescriptorSet io_set{nullptr};
+  std::optional<SurfaceKey> surface;  ///< of the tile that was drawn last
+  std::optional<ShadingKey> shaded;   ///< of the tile in readback; then `surface` is its surface
+};
+
+/// The passes of a frame (frame_pass_names) that are on.
+struct FramePasses {
+  bool pixel_list = true;
+  bool keep_surface = true;
+  bool keep_picture = true;
 };
 
 struct Evaluator::Impl {
@@ -32,6 +69,7 @@ struct Evaluator::Impl {
   std::uint32_t depth;
 
   std::vector<compiler::TimeFunction> time_functions;
+  std::vector<float> time_values;  ///< of the frame
   std::optional<std::size_t> time_buffer;  ///< index into buffers: mapped, written before each evaluation
 
   std::vector<GpuBuffer> buffers;
@@ -42,14 +80,18 @@ struct Evaluator::Impl {
   vk::raii::DescriptorSet scene_set{nullptr};
 
   // Made when first needed.
-  std::optional<KernelPipeline> points, pixels;
+  std::optional<KernelPipeline> points, list;
+  std::map<std::array<vk::Bool32, 3>, KernelPipeline> pixels;  ///< by the specialisation constants
   std::optional<Rasteriser> rasteriser;
   std::optional<Frame> frame;
-  std::array<bool, 3> warm{};  ///< slices, surfaces, cut surfaces: pipelines made and compiled by the driver
+  std::array<bool, 3> warm{};  ///< slices, surfaces, cut surfaces: drawn once, so compiled by the driver
 
   Impl(const Device::Impl& device, const compiler::Program& program);
+  /// `constants` are the specialisation constants 0, 1, ...
   Result<KernelPipeline> make_kernel(compiler::Kernel kernel, std::span<const vk::DescriptorType> io,
-                                     std::uint32_t params_bytes) const;
+                                     std::uint32_t params_bytes, std::span<const vk::Bool32> constants = {}) const;
+  KernelPipeline make_pipeline(std::span<const std::uint32_t> words, std::span<const vk::DescriptorType> io,
+                               std::uint32_t params_bytes, std::span<const vk::Bool32> constants) const;
   vk::raii::DescriptorPool make_pool(std::span<const vk::DescriptorType> types) const;
   vk::raii::DescriptorSet make_set(const vk::raii::DescriptorPool& pool,
                                    const vk::raii::DescriptorSetLayout& layout) const;
@@ -61,10 +103,13 @@ struct Evaluator::Impl {
   void set_time(double time_ms);
   void upload(const compiler::Program& program);
   void bind_scene(const compiler::Program& program);
-  Result<void> warm_up(const Shot& shot, vk::Extent2D extent, bool with_positions, Timings* timings);
-  Frame make_frame(vk::Extent2D extent, bool with_positions) const;
-  /// Returns the milliseconds on the device (Device::Impl::run).
-  double render_tile(Frame& target, const Shot& shot, const Tile& tile);
+  Result<void> warm_up(const Shot& shot, vk::Extent2D extent, const Wanted& wanted, const FramePasses& passes,
+                       Timings* timings);
+  Frame make_frame(vk::Extent2D extent, const Wanted& wanted) const;
+  const KernelPipeline& pixels_kernel(const Wanted& wanted, const FramePasses& passes) const;
+  void evaluate_tile(const vk::raii::CommandBuffer& commands, const gpu::PixelsParams& params, const FramePasses& passes);
+  /// Returns the milliseconds on the device (Device::Impl::run); 0 where the frame held the tile already.
+  double render_tile(const Shot& shot, const Tile& tile, const FramePasses& passes);
 };
 
 }  // namespace dmvv::runtime

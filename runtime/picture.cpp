@@ -101,10 +101,11 @@ Result<void> guarded_write(const std::string& path, const std::function<Result<v
 }
 
 Result<void> write_png(const std::string& path, const Picture& picture) {
+  if (!picture.rgba8.empty()) {
+    return write_whole(path, to_write(picture, rgba_channels, SampleType::u8, SampleType::u8, picture.rgba8.data()));
+  }
   std::vector<std::uint8_t> bytes(picture.rgba.size());
-  std::ranges::transform(picture.rgba, bytes.begin(), [](float value) {
-    return static_cast<std::uint8_t>(value > 0.0f ? std::min(value, 1.0f) * 255.0f + 0.5f : 0.0f);  // NaN: 0
-  });
+  std::ranges::transform(picture.rgba, bytes.begin(), to_byte);
   return write_whole(path, to_write(picture, rgba_channels, SampleType::u8, SampleType::u8, bytes.data()));
 }
 
@@ -133,8 +134,10 @@ Result<void> write_channel(const std::string& path, const Picture& picture, cons
 Result<void> write_picture(const std::string& path, const Picture& picture) {
   return guarded_write(path, [&]() -> Result<void> {
     if (auto fault = path_fault(path, {".png", ".tif", ".tiff", ".exr"})) return tl::unexpected(std::move(*fault));
-    if (picture.rgba.size() != 4 * pixel_count(picture) || picture.rgba.empty()) return missing(path, "pixels");
     const std::string ending = lower_ending(path);
+    const bool has_bytes = ending == ".png" && !picture.rgba8.empty();
+    const std::size_t samples = has_bytes ? picture.rgba8.size() : picture.rgba.size();
+    if (samples != 4 * pixel_count(picture) || samples == 0) return missing(path, "pixels");
     if (ending == ".png") return write_png(path, picture);
     return ending == ".exr" ? write_exr(path, picture) : write_tiff(path, picture);
   });

@@ -46,13 +46,12 @@ vk::raii::RenderPass make_pass(const vk::raii::Device& device, vk::Format depth_
                                         .stencilStoreOp = vk::AttachmentStoreOp::eDontCare,
                                         .initialLayout = vk::ImageLayout::eUndefined,
                                         .finalLayout = vk::ImageLayout::eDepthStencilAttachmentOptimal};
-  const std::array attachments{color(position_format), color(normal_format), depth};
-  const std::array colors{vk::AttachmentReference{0, vk::ImageLayout::eColorAttachmentOptimal},
-                          vk::AttachmentReference{1, vk::ImageLayout::eColorAttachmentOptimal}};
-  const vk::AttachmentReference depth_reference{2, vk::ImageLayout::eDepthStencilAttachmentOptimal};
+  const std::array attachments{color(surface_format), depth};
+  const vk::AttachmentReference color_reference{0, vk::ImageLayout::eColorAttachmentOptimal};
+  const vk::AttachmentReference depth_reference{1, vk::ImageLayout::eDepthStencilAttachmentOptimal};
   const vk::SubpassDescription subpass{.pipelineBindPoint = vk::PipelineBindPoint::eGraphics,
-                                       .colorAttachmentCount = colors.size(),
-                                       .pColorAttachments = colors.data(),
+                                       .colorAttachmentCount = 1,
+                                       .pColorAttachments = &color_reference,
                                        .pDepthStencilAttachment = &depth_reference};
   constexpr auto depth_tests = Stage::eEarlyFragmentTests | Stage::eLateFragmentTests;
   const std::array dependencies{
@@ -140,8 +139,7 @@ vk::raii::Pipeline Rasteriser::make_pipeline(const PipelineState& state) const {
   const auto written = Component::eR | Component::eG | Component::eB | Component::eA;
   const vk::PipelineColorBlendAttachmentState color{.colorWriteMask =
                                                         state.counts ? vk::ColorComponentFlags{} : written};
-  const std::array colors{color, color};
-  const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = colors.size(), .pAttachments = colors.data()};
+  const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = 1, .pAttachments = &color};
   const std::array dynamic_states{vk::DynamicState::eViewport, vk::DynamicState::eScissor};
   const vk::PipelineDynamicStateCreateInfo dynamic{.dynamicStateCount = dynamic_states.size(),
                                                    .pDynamicStates = dynamic_states.data()};
@@ -204,14 +202,12 @@ Targets Rasteriser::make_targets(vk::Extent2D extent) const {
   const vk::Extent3D size{extent.width, extent.height, 1};
   Targets targets;
   targets.extent = extent;
-  targets.position =
-      gpu_.make_image(type, position_format, size,
+  targets.surface =
+      gpu_.make_image(type, surface_format, size,
                       Usage::eColorAttachment | Usage::eStorage | Usage::eTransferSrc | Usage::eTransferDst);
-  targets.normal =
-      gpu_.make_image(type, normal_format, size, Usage::eColorAttachment | Usage::eStorage | Usage::eTransferDst);
   targets.depth_stencil =
       gpu_.make_image(type, depth_format_, size, Usage::eDepthStencilAttachment, Aspect::eDepth | Aspect::eStencil);
-  const std::array views{*targets.position.view, *targets.normal.view, *targets.depth_stencil.view};
+  const std::array views{*targets.surface.view, *targets.depth_stencil.view};
   targets.framebuffer = gpu_.device.createFramebuffer({.renderPass = *pass_,
                                                        .attachmentCount = views.size(),
                                                        .pAttachments = views.data(),
@@ -234,6 +230,7 @@ Result<void> Rasteriser::set_mesh(const voml::Mesh& mesh) {
   index_count_ = static_cast<std::uint32_t>(surface->indices.size());
   bounds_ = surface->bounds;
   mesh_ = mesh;
+  ++mesh_serial_;
   return {};
 }
 
@@ -257,7 +254,7 @@ void Rasteriser::draw(const vk::raii::CommandBuffer& commands, const Targets& ta
                               0.0f,
                               1.0f};
   const vk::Rect2D area{{0, 0}, {tile.size_px.x, tile.size_px.y}};
-  const std::array<vk::ClearValue, 3> nothing{};  // depth 0 is infinitely far
+  const std::array<vk::ClearValue, 2> nothing{};  // depth 0 is infinitely far
   const auto graphics = vk::PipelineBindPoint::eGraphics;
   commands.beginRenderPass({.renderPass = *pass_,
                             .framebuffer = *targets.framebuffer,

@@ -1,4 +1,4 @@
-// Inside the runtime only: draws the cut and capped support mesh into images of positions and normals.
+// Inside the runtime only: draws the cut and capped support mesh into an image of positions and normals.
 #pragma once
 
 #include "runtime/gpu.h"
@@ -7,13 +7,12 @@
 
 namespace dmvv::runtime {
 
-inline constexpr vk::Format position_format = vk::Format::eR32G32B32A32Sfloat;
-inline constexpr vk::Format normal_format = vk::Format::eR16G16B16A16Sfloat;
+inline constexpr vk::Format surface_format = vk::Format::eR32G32B32A32Uint;  // shaders/surface.glsl
 
-/// What is drawn into. Positions and normals are left in the layout GENERAL, for compute shaders and copies.
+/// What is drawn into. The surface is left in the layout GENERAL, for compute shaders and copies.
 struct Targets {
   vk::Extent2D extent;
-  GpuImage position, normal, depth_stencil;
+  GpuImage surface, depth_stencil;
   vk::raii::Framebuffer framebuffer{nullptr};
 };
 
@@ -21,6 +20,7 @@ struct Targets {
 struct Tile {
   glm::uvec2 corner_px{0};
   glm::uvec2 size_px{0};
+  friend bool operator==(const Tile&, const Tile&) = default;
 };
 
 class Rasteriser {
@@ -32,6 +32,8 @@ class Rasteriser {
   /// Makes `mesh` the one that is drawn. The same mesh again (compared by value) costs a comparison.
   Result<void> set_mesh(const voml::Mesh& mesh);
   const voml::Bounds& bounds() const { return bounds_; }
+  /// Another number for each mesh that was set.
+  std::uint32_t mesh_serial() const { return mesh_serial_; }
   std::size_t open_edges();
 
   /// Records the drawing of one tile. Writes what the shaders read: the commands must be done before the next call.
@@ -56,6 +58,7 @@ class Rasteriser {
   voml::Bounds bounds_{};
   GpuBuffer vertices_, indices_;
   std::uint32_t index_count_ = 0;
+  std::uint32_t mesh_serial_ = 0;
 };
 
 /// Copies bytes into a buffer of device memory, by way of a staging buffer.

@@ -17,9 +17,11 @@ using Stage = vk::PipelineStageFlagBits;
 constexpr std::uint32_t longest_picture_px = 16384;
 constexpr std::uint32_t widest_tile_px = 2048;
 constexpr std::uint32_t tile_budget_px = 1u << 21;  // some 220 MiB of images and buffers
-constexpr glm::uvec2 warm_up_px{DMVV_PIXELS_GROUP_SIZE, DMVV_PIXELS_GROUP_SIZE};
+constexpr glm::uvec2 warm_up_px{DMVV_PIXELS_BLOCK, DMVV_PIXELS_BLOCK};
 constexpr std::array pixel_io{vk::DescriptorType::eStorageImage, vk::DescriptorType::eStorageImage,
-                              vk::DescriptorType::eStorageImage, vk::DescriptorType::eStorageImage};
+                              vk::DescriptorType::eStorageImage, vk::DescriptorType::eStorageImage,
+                              vk::DescriptorType::eStorageBuffer};
+constexpr std::size_t images_of_pixel_io = 4;
 
 constexpr vk::ImageSubresourceLayers color_layer{vk::ImageAspectFlagBits::eColor, 0, 0, 1};
 constexpr vk::ImageSubresourceRange color_range{vk::ImageAspectFlagBits::eColor, 0, 1, 0, 1};
@@ -35,27 +37,37 @@ vk::BufferImageCopy tile_copy(vk::DeviceSize offset, glm::uvec2 size_px) {
   return {.bufferOffset = offset, .imageSubresource = color_layer, .imageExtent = {size_px.x, size_px.y, 1}};
 }
 
-/// Where the parts of a tile stand in the buffer that is read back.
+/// Where the parts of a tile stand in the buffer that is read back: each at a multiple of its texels, the largest first.
 struct ReadbackLayout {
-  vk::DeviceSize positions, regions, bytes;
+  vk::DeviceSize positions = 0, colors, regions, header, bytes;
 
-  ReadbackLayout(std::size_t pixels, bool with_positions)
-      : positions(16 * pixels), regions(positions + (with_positions ? 16 * pixels : 0)), bytes(regions + 4 * pixels) {}
+  ReadbackLayout(std::size_t pixels, const Wanted& wanted)
+      : colors(wanted.positions ? 16 * pixels : 0),
+        regions(colors + (wanted.colors == Colors::bytes ? 4 : 16) * pixels),
+        header(regions + (wanted.regions ? 4 * pixels : 0)),
+        bytes(header + sizeof(gpu::PixelListHeader)) {}
 };
 
-/// What came back of a tile.
+std::size_t pixels_of(const Tile& tile) { return std::size_t{tile.size_px.x} * tile.size_px.y; }
+
+/// What came back of a tile; null what is not wanted.
 struct TilePixels {
   const glm::vec4* colors;
-  const glm::vec4* positions;  ///< null if not wanted
+  const std::uint32_t* bytes;
+  const glm::uvec4* surface;
   const std::uint32_t* regions;
+  std::uint32_t unfinished;
 };
 
 TilePixels tile_pixels(const Frame& frame, const Tile& tile) {
-  const ReadbackLayout layout(std::size_t{tile.size_px.x} * tile.size_px.y, frame.has_positions);
-  const auto* bytes = static_cast<const std::byte*>(frame.readback.mapped);
-  return {reinterpret_cast<const glm::vec4*>(bytes),
-          frame.has_positions ? reinterpret_cast<const glm::vec4*>(bytes + layout.positions) : nullptr,
-          reinterpret_cast<const std::uint32_t*>(bytes + layout.regions)};
+  const ReadbackLayout layout(pixels_of(tile), frame.wanted);
+  const auto* mapped = static_cast<const std::byte*>(frame.readback.mapped);
+  const bool as_bytes = frame.wanted.colors == Colors::bytes;
+  return {as_bytes ? nullptr : reinterpret_cast<const glm::vec4*>(mapped + layout.colors),
+          as_bytes ? reinterpret_cast<const std::uint32_t*>(mapped + layout.colors) : nullptr,
+          frame.wanted.positions ? reinterpret_cast<const glm::uvec4*>(mapped + layout.positions) : nullptr,
+          frame.wanted.regions ? reinterpret_cast<const std::uint32_t*>(mapped + layout.regions) : nullptr,
+          reinterpret_cast<const gpu::PixelListHeader*>(mapped + layout.header)->unfinished};
 }
 
 /// Straight colour of the mean of samples^2 premultiplied colours. `first` is sample (0, 0), rows are `pitch` apart.
@@ -74,27 +86,40 @@ glm::vec4 mean_color(const glm::vec4* first, std::size_t pitch, std::uint32_t sa
   return alpha > 0.0f ? glm::vec4(premultiplied / alpha, alpha / count) : glm::vec4(0.0f);
 }
 
-float depth_of(const Shot& shot, std::uint32_t region, const glm::vec4& position) {
+bool is_surface(const glm::uvec4& texel) { return texel.w != 0; }
+
+float depth_of(const Shot& shot, std::uint32_t region, const glm::uvec4& texel) {
   if (region == 0) return std::numeric_limits<float>::infinity();
   if (shot.slice) return 0.0f;
-  return static_cast<float>(glm::dot(shot.forward, glm::dvec3(position) - shot.eye));
+  return static_cast<float>(glm::dot(shot.forward, glm::dvec3(glm::uintBitsToFloat(glm::uvec3(texel))) - shot.eye));
 }
 
 /// The point that the kernel evaluates (shaders/pixels.comp).
-glm::vec3 position_of(const Shot& shot, const glm::vec4& surface) {
-  if (surface.w <= 0.5f) return glm::vec3(std::numeric_limits<float>::quiet_NaN());
-  return glm::clamp(glm::vec3(surface), glm::vec3(shot.pixels.bounds_lo), glm::vec3(shot.pixels.bounds_hi));
+glm::vec3 position_of(const Shot& shot, const glm::uvec4& texel) {
+  if (!is_surface(texel)) return glm::vec3(std::numeric_limits<float>::quiet_NaN());
+  return glm::clamp(glm::uintBitsToFloat(glm::uvec3(texel)), glm::vec3(shot.pixels.bounds_lo),
+                    glm::vec3(shot.pixels.bounds_hi));
 }
 
 Picture empty_picture(const View& view) {
   Picture picture;
   picture.size_px = view.size_px;
   const std::size_t pixels = std::size_t{view.size_px.x} * view.size_px.y;
-  picture.rgba.resize(4 * pixels);
+  (view.colors == Colors::bytes ? picture.rgba8.resize(4 * pixels) : picture.rgba.resize(4 * pixels));
   if (view.want_regions) picture.regions.resize(pixels);
   if (view.want_depth) picture.depth.resize(pixels);
   if (view.want_positions) picture.positions.resize(pixels);
   return picture;
+}
+
+void put_color(const glm::vec4& color, std::size_t pixel, Picture& picture) {
+  for (int channel = 0; channel < 4; ++channel) {
+    if (picture.rgba.empty()) {
+      picture.rgba8[4 * pixel + static_cast<std::size_t>(channel)] = to_byte(color[channel]);
+    } else {
+      picture.rgba[4 * pixel + static_cast<std::size_t>(channel)] = color[channel];
+    }
+  }
 }
 
 /// Puts a tile into the picture.
@@ -102,41 +127,43 @@ void resolve_tile(const TilePixels& from, const Tile& tile, const Shot& shot, st
   const std::size_t pitch = tile.size_px.x;
   const glm::uvec2 corner = tile.corner_px / samples, size = tile.size_px / samples;
   for (std::uint32_t y = 0; y < size.y; ++y) {
+    const std::size_t row = std::size_t{corner.y + y} * picture.size_px.x + corner.x;
+    if (from.bytes != nullptr) {  // one sample a pixel, channels in the order of the bytes
+      std::memcpy(&picture.rgba8[4 * row], from.bytes + y * pitch, 4 * std::size_t{size.x});
+    }
+    if (from.bytes != nullptr && from.regions == nullptr && from.surface == nullptr) continue;
     for (std::uint32_t x = 0; x < size.x; ++x) {
       const std::size_t source = y * samples * pitch + x * samples;
-      const std::size_t pixel = std::size_t{corner.y + y} * picture.size_px.x + corner.x + x;
-      const glm::vec4 color = mean_color(from.colors + source, pitch, samples);
-      std::memcpy(&picture.rgba[4 * pixel], &color, sizeof color);
+      const std::size_t pixel = row + x;
+      if (from.colors != nullptr) put_color(mean_color(from.colors + source, pitch, samples), pixel, picture);
       if (!picture.regions.empty()) picture.regions[pixel] = from.regions[source];
-      if (!picture.depth.empty()) picture.depth[pixel] = depth_of(shot, from.regions[source], from.positions[source]);
-      if (!picture.positions.empty()) picture.positions[pixel] = position_of(shot, from.positions[source]);
+      if (!picture.depth.empty()) picture.depth[pixel] = depth_of(shot, from.regions[source], from.surface[source]);
+      if (!picture.positions.empty()) picture.positions[pixel] = position_of(shot, from.surface[source]);
     }
   }
 }
 
-/// Uploads a slice's positions in place of a drawn surface.
+vk::ImageMemoryBarrier begin_writing(const GpuImage& image) {
+  return color_barrier(image, Layout::eUndefined, Layout::eGeneral, {}, Access::eShaderWrite | Access::eTransferWrite);
+}
+
+/// Uploads a slice's surface in place of a drawn one.
 void draw_slice(const vk::raii::CommandBuffer& commands, const Frame& frame, const Shot& shot, const Tile& tile) {
-  fill_slice_positions(*shot.slice, tile.corner_px, tile.size_px,
-                       static_cast<glm::vec4*>(frame.slice_positions.mapped));
-  const GpuImage& position = frame.targets.position;
-  const GpuImage& normal = frame.targets.normal;
+  fill_slice_surface(*shot.slice, tile.corner_px, tile.size_px, static_cast<glm::uvec4*>(frame.slice_surface.mapped));
+  const GpuImage& surface = frame.targets.surface;
   commands.pipelineBarrier(
       Stage::eTopOfPipe, Stage::eTransfer, {}, nullptr, nullptr,
-      {color_barrier(position, Layout::eUndefined, Layout::eTransferDstOptimal, {}, Access::eTransferWrite),
-       color_barrier(normal, Layout::eUndefined, Layout::eTransferDstOptimal, {}, Access::eTransferWrite)});
-  commands.copyBufferToImage(*frame.slice_positions.buffer, *position.image, Layout::eTransferDstOptimal,
+      color_barrier(surface, Layout::eUndefined, Layout::eTransferDstOptimal, {}, Access::eTransferWrite));
+  commands.copyBufferToImage(*frame.slice_surface.buffer, *surface.image, Layout::eTransferDstOptimal,
                              tile_copy(0, tile.size_px));
-  commands.clearColorImage(*normal.image, Layout::eTransferDstOptimal, vk::ClearColorValue{}, color_range);
-  commands.pipelineBarrier(Stage::eTransfer, Stage::eComputeShader, {}, nullptr, nullptr,
-                           {color_barrier(position, Layout::eTransferDstOptimal, Layout::eGeneral,
-                                          Access::eTransferWrite, Access::eShaderRead),
-                            color_barrier(normal, Layout::eTransferDstOptimal, Layout::eGeneral, Access::eTransferWrite,
-                                          Access::eShaderRead)});
+  commands.pipelineBarrier(
+      Stage::eTransfer, Stage::eComputeShader, {}, nullptr, nullptr,
+      color_barrier(surface, Layout::eTransferDstOptimal, Layout::eGeneral, Access::eTransferWrite, Access::eShaderRead));
 }
 
 /// Records the copies of everything that is wanted into the buffer the host reads.
 void read_back(const vk::raii::CommandBuffer& commands, const Frame& frame, const Tile& tile) {
-  const ReadbackLayout layout(std::size_t{tile.size_px.x} * tile.size_px.y, frame.has_positions);
+  const ReadbackLayout layout(pixels_of(tile), frame.wanted);
   const auto copy = [&](const GpuImage& image, vk::DeviceSize offset) {
     commands.pipelineBarrier(Stage::eComputeShader, Stage::eTransfer, {}, nullptr, nullptr,
                              color_barrier(image, Layout::eGeneral, Layout::eTransferSrcOptimal, Access::eShaderWrite,
@@ -144,86 +171,188 @@ void read_back(const vk::raii::CommandBuffer& commands, const Frame& frame, cons
     commands.copyImageToBuffer(*image.image, Layout::eTransferSrcOptimal, *frame.readback.buffer,
                                tile_copy(offset, tile.size_px));
   };
-  copy(frame.color, 0);
-  if (frame.has_positions) copy(frame.targets.position, layout.positions);
-  copy(frame.region, layout.regions);
+  copy(frame.wanted.colors == Colors::bytes ? frame.bytes : frame.color, layout.colors);
+  if (frame.wanted.regions) copy(frame.region, layout.regions);
+  if (frame.wanted.positions) {
+    const GpuImage& surface = frame.targets.surface;
+    copy(surface, layout.positions);
+    commands.pipelineBarrier(Stage::eTransfer, Stage::eComputeShader, {}, nullptr, nullptr,
+                             color_barrier(surface, Layout::eTransferSrcOptimal, Layout::eGeneral, {}, Access::eShaderRead));
+  }
+  const vk::MemoryBarrier counted{.srcAccessMask = Access::eShaderWrite, .dstAccessMask = Access::eTransferRead};
+  commands.pipelineBarrier(Stage::eComputeShader, Stage::eTransfer, {}, counted, nullptr, nullptr);
+  commands.copyBuffer(*frame.list.buffer, *frame.readback.buffer,
+                      vk::BufferCopy{0, layout.header, sizeof(gpu::PixelListHeader)});
   const vk::MemoryBarrier copied{.srcAccessMask = Access::eTransferWrite, .dstAccessMask = Access::eHostRead};
   commands.pipelineBarrier(Stage::eTransfer, Stage::eHost, {}, copied, nullptr, nullptr);
 }
 
+std::array<vk::Bool32, 3> kernel_constants(const Wanted& wanted, const FramePasses& passes) {
+  return {passes.pixel_list, wanted.colors == Colors::bytes, wanted.regions};
+}
+
+bool enabled(const View& view, std::string_view pass) {
+  return std::ranges::find(view.disabled_passes, pass) == view.disabled_passes.end();
+}
+
 }  // namespace
 
-Frame Evaluator::Impl::make_frame(vk::Extent2D extent, bool with_positions) const {
+const std::vector<FramePassInfo>& frame_pass_names() {
+  static const std::vector<FramePassInfo> passes{
+      {"pixel-list", "pixels without a surface are not evaluated"},
+      {"keep-surface", "what stands still before a camera that stands still is not drawn again"},
+      {"keep-picture", "a frame in which nothing changed is not evaluated again"},
+  };
+  return passes;
+}
+
+bool operator==(const SurfaceKey& a, const SurfaceKey& b) {
+  const auto same_slice = [](const SliceFrame& s, const SliceFrame& t) {
+    return s.origin == t.origin && s.step_x == t.step_x && s.step_y == t.step_y;
+  };
+  if (a.tile != b.tile || a.slice.has_value() != b.slice.has_value()) return false;
+  if (a.slice) return same_slice(*a.slice, *b.slice);
+  return a.mesh_serial == b.mesh_serial && a.has_caps == b.has_caps && std::memcmp(&a.raster, &b.raster, sizeof a.raster) == 0;
+}
+
+bool operator==(const ShadingKey& a, const ShadingKey& b) {
+  return std::memcmp(&a.params, &b.params, sizeof a.params) == 0 && a.time_values == b.time_values;
+}
+
+Frame Evaluator::Impl::make_frame(vk::Extent2D extent, const Wanted& wanted) const {
   using Usage = vk::ImageUsageFlagBits;
-  const vk::Extent3D size{extent.width, extent.height, 1};
+  const auto storage = [&](vk::Format format, bool is_wanted) {
+    const vk::Extent3D size{is_wanted ? extent.width : 1, is_wanted ? extent.height : 1, 1};
+    return gpu.make_image(vk::ImageType::e2D, format, size, Usage::eStorage | Usage::eTransferSrc | Usage::eTransferDst);
+  };
+  const bool as_bytes = wanted.colors == Colors::bytes;
+  const std::size_t count = std::size_t{extent.width} * extent.height;
   Frame made;
+  made.wanted = wanted;
   made.targets = rasteriser->make_targets(extent);
-  made.color =
-      gpu.make_image(vk::ImageType::e2D, vk::Format::eR32G32B32A32Sfloat, size, Usage::eStorage | Usage::eTransferSrc);
-  made.region = gpu.make_image(vk::ImageType::e2D, vk::Format::eR32Uint, size, Usage::eStorage | Usage::eTransferSrc);
-  made.has_positions = with_positions;
-  const ReadbackLayout layout(std::size_t{extent.width} * extent.height, with_positions);
-  made.readback = gpu.make_buffer(layout.bytes, vk::BufferUsageFlagBits::eTransferDst, MemoryUse::readback);
+  made.color = storage(vk::Format::eR32G32B32A32Sfloat, !as_bytes);
+  made.bytes = storage(vk::Format::eR32Uint, as_bytes);
+  made.region = storage(vk::Format::eR32Uint, wanted.regions);
+  using BufferUse = vk::BufferUsageFlagBits;
+  made.list = gpu.make_buffer(sizeof(gpu::PixelListHeader) + 4 * count,
+                              BufferUse::eStorageBuffer | BufferUse::eIndirectBuffer | BufferUse::eTransferSrc |
+                                  BufferUse::eTransferDst,
+                              MemoryUse::device);
+  made.readback = gpu.make_buffer(ReadbackLayout(count, wanted).bytes, BufferUse::eTransferDst, MemoryUse::readback);
   made.pool = make_pool(pixel_io);
-  made.io_set = make_set(made.pool, pixels->io_layout);
-  const std::array images{vk::DescriptorImageInfo{{}, *made.targets.position.view, Layout::eGeneral},
-                          vk::DescriptorImageInfo{{}, *made.targets.normal.view, Layout::eGeneral},
+  made.io_set = make_set(made.pool, list->io_layout);
+  const std::array images{vk::DescriptorImageInfo{{}, *made.targets.surface.view, Layout::eGeneral},
                           vk::DescriptorImageInfo{{}, *made.color.view, Layout::eGeneral},
+                          vk::DescriptorImageInfo{{}, *made.bytes.view, Layout::eGeneral},
                           vk::DescriptorImageInfo{{}, *made.region.view, Layout::eGeneral}};
-  gpu.device.updateDescriptorSets(vk::WriteDescriptorSet{.dstSet = *made.io_set,
-                                                         .dstBinding = DMVV_BIND_POSITION,
-                                                         .descriptorCount = images.size(),
-                                                         .descriptorType = pixel_io[0],
-                                                         .pImageInfo = images.data()},
+  static_assert(images.size() == images_of_pixel_io);
+  const vk::DescriptorBufferInfo list_info{*made.list.buffer, 0, VK_WHOLE_SIZE};
+  gpu.device.updateDescriptorSets({vk::WriteDescriptorSet{.dstSet = *made.io_set,
+                                                          .dstBinding = DMVV_BIND_SURFACE,
+                                                          .descriptorCount = images.size(),
+                                                          .descriptorType = pixel_io.front(),
+                                                          .pImageInfo = images.data()},
+                                   vk::WriteDescriptorSet{.dstSet = *made.io_set,
+                                                          .dstBinding = DMVV_BIND_LIST,
+                                                          .descriptorCount = 1,
+                                                          .descriptorType = pixel_io.back(),
+                                                          .pBufferInfo = &list_info}},
                                   nullptr);
   return made;
 }
 
-double Evaluator::Impl::render_tile(Frame& target, const Shot& shot, const Tile& tile) {
-  if (shot.slice && target.slice_positions.bytes == 0) {
-    const vk::DeviceSize bytes = vk::DeviceSize{16} * target.targets.extent.width * target.targets.extent.height;
-    target.slice_positions = gpu.make_buffer(bytes, vk::BufferUsageFlagBits::eTransferSrc, MemoryUse::upload);
+const KernelPipeline& Evaluator::Impl::pixels_kernel(const Wanted& wanted, const FramePasses& passes) const {
+  return pixels.at(kernel_constants(wanted, passes));
+}
+
+/// Lists the pixels that show a surface, and evaluates those; or all.
+void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, const gpu::PixelsParams& params,
+                                    const FramePasses& passes) {
+  const gpu::PixelListHeader nothing{0, 1, 1, 0, 0, 0, 0, 0};
+  commands.updateBuffer<gpu::PixelListHeader>(*frame->list.buffer, 0, nothing);
+  commands.pipelineBarrier(Stage::eTopOfPipe, Stage::eComputeShader | Stage::eTransfer, {}, nullptr, nullptr,
+                           {begin_writing(frame->color), begin_writing(frame->bytes), begin_writing(frame->region)});
+  if (passes.pixel_list) {  // what is not evaluated is empty
+    const vk::ClearColorValue empty{};
+    commands.clearColorImage(frame->wanted.colors == Colors::bytes ? *frame->bytes.image : *frame->color.image,
+                             Layout::eGeneral, empty, color_range);
+    if (frame->wanted.regions) commands.clearColorImage(*frame->region.image, Layout::eGeneral, empty, color_range);
   }
+  const vk::MemoryBarrier cleared{.srcAccessMask = Access::eTransferWrite,
+                                  .dstAccessMask = Access::eShaderRead | Access::eShaderWrite};
+  commands.pipelineBarrier(Stage::eTransfer, Stage::eComputeShader, {}, cleared, nullptr, nullptr);
+
+  const auto compute = vk::PipelineBindPoint::eCompute;
+  const auto blocks = [](std::uint32_t px) { return (px + DMVV_PIXELS_BLOCK - 1) / DMVV_PIXELS_BLOCK; };
+  const std::uint32_t groups = blocks(params.width) * blocks(params.height);
+  const auto bind = [&](const KernelPipeline& kernel) {
+    commands.bindPipeline(compute, *kernel.pipeline);
+    commands.bindDescriptorSets(compute, *kernel.layout, 0, {*scene_set, *frame->io_set}, nullptr);
+    commands.pushConstants<gpu::PixelsParams>(*kernel.layout, vk::ShaderStageFlagBits::eCompute, 0, params);
+  };
+  if (passes.pixel_list) {
+    bind(*list);
+    commands.dispatch(groups, 1, 1);
+    const vk::MemoryBarrier listed{.srcAccessMask = Access::eShaderWrite,
+                                   .dstAccessMask = Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead};
+    commands.pipelineBarrier(Stage::eComputeShader, Stage::eComputeShader | Stage::eDrawIndirect, {}, listed, nullptr, nullptr);
+  }
+  bind(pixels_kernel(frame->wanted, passes));
+  if (passes.pixel_list) {
+    commands.dispatchIndirect(*frame->list.buffer, 0);
+  } else {
+    commands.dispatch(groups, 1, 1);
+  }
+}
+
+double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const FramePasses& passes) {
   gpu::PixelsParams params = shot.pixels;
   params.width = tile.size_px.x;
   params.height = tile.size_px.y;
-  return gpu.run([&](const vk::raii::CommandBuffer& commands) {
-    if (shot.slice) {
-      draw_slice(commands, target, shot, tile);
-    } else {
-      rasteriser->draw(commands, target.targets, shot, tile);
-    }
-    commands.pipelineBarrier(
-        Stage::eTopOfPipe, Stage::eComputeShader, {}, nullptr, nullptr,
-        {color_barrier(target.color, Layout::eUndefined, Layout::eGeneral, {}, Access::eShaderWrite),
-         color_barrier(target.region, Layout::eUndefined, Layout::eGeneral, {}, Access::eShaderWrite)});
-    const auto compute = vk::PipelineBindPoint::eCompute;
-    const auto groups = [](std::uint32_t px) { return (px + DMVV_PIXELS_GROUP_SIZE - 1) / DMVV_PIXELS_GROUP_SIZE; };
-    commands.bindPipeline(compute, *pixels->pipeline);
-    commands.bindDescriptorSets(compute, *pixels->layout, 0, {*scene_set, *target.io_set}, nullptr);
-    commands.pushConstants<gpu::PixelsParams>(*pixels->layout, vk::ShaderStageFlagBits::eCompute, 0, params);
-    commands.dispatch(groups(tile.size_px.x), groups(tile.size_px.y), 1);
-    read_back(commands, target, tile);
+  SurfaceKey surface{shot.raster, shot.slice, rasteriser->mesh_serial(), shot.has_caps, tile};
+  ShadingKey shading{params, time_values};
+  const bool has_surface = frame->surface == surface;
+  if (passes.keep_picture && has_surface && frame->shaded == shading) return 0.0;
+
+  const bool draws = !(passes.keep_surface && has_surface);
+  if (shot.slice && frame->slice_surface.bytes == 0) {
+    const vk::DeviceSize bytes = vk::DeviceSize{16} * frame->targets.extent.width * frame->targets.extent.height;
+    frame->slice_surface = gpu.make_buffer(bytes, vk::BufferUsageFlagBits::eTransferSrc, MemoryUse::upload);
+  }
+  frame->surface.reset();  // a failure below must leave no name on what is half done
+  frame->shaded.reset();
+  const double ms = gpu.run([&](const vk::raii::CommandBuffer& commands) {
+    if (draws && shot.slice) draw_slice(commands, *frame, shot, tile);
+    if (draws && !shot.slice) rasteriser->draw(commands, frame->targets, shot, tile);
+    evaluate_tile(commands, params, passes);
+    read_back(commands, *frame, tile);
   });
+  frame->surface = std::move(surface);
+  frame->shaded = std::move(shading);
+  return ms;
 }
 
 /// Makes what is missing for this kind of picture, and draws a few pixels, so that the driver compiles it now. They are
 /// drawn into the frame's own images: lavapipe compiles a kernel anew for images whose sides are powers of two.
-Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, bool with_positions, Timings* timings) {
+Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, const Wanted& wanted,
+                                      const FramePasses& passes, Timings* timings) {
   bool& is_warm = warm[shot.slice ? 0 : shot.has_caps ? 2 : 1];
-  const bool has_frame = frame && frame->targets.extent == extent && frame->has_positions == with_positions;
-  if (is_warm && has_frame) return {};
+  const bool has_frame = frame && frame->targets.extent == extent && frame->wanted == wanted;
+  const auto constants = kernel_constants(wanted, passes);
+  const bool has_kernel = pixels.contains(constants);
+  if (is_warm && has_frame && has_kernel) return {};
   const Stopwatch watch(timings, "pipeline");
-  if (!pixels) {
-    auto made = make_kernel(compiler::Kernel::pixels, pixel_io, sizeof(gpu::PixelsParams));
+  if (!list) list = make_pipeline(list_comp, pixel_io, sizeof(gpu::PixelsParams), {});
+  if (!has_kernel) {
+    auto made = make_kernel(compiler::Kernel::pixels, pixel_io, sizeof(gpu::PixelsParams), constants);
     if (!made) return tl::unexpected(std::move(made.error()));
-    pixels = std::move(*made);
+    pixels.emplace(constants, std::move(*made));
   }
   if (!has_frame) {
     frame.reset();
-    frame = make_frame(extent, with_positions);
+    frame = make_frame(extent, wanted);
   }
-  render_tile(*frame, shot, {{0, 0}, glm::min(warm_up_px, shot.size_px)});
+  render_tile(shot, {{0, 0}, glm::min(warm_up_px, shot.size_px)}, passes);
   is_warm = true;
   return {};
 }
@@ -240,8 +369,10 @@ Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
   const auto shot = plan_shot(view, rasteriser->bounds(), largest_px);
   if (!shot) return tl::unexpected(shot.error());
   const vk::Extent2D extent = tile_extent(shot->size_px, view.samples);
-  const bool need_positions = view.want_depth || view.want_positions;
-  if (const auto ready = warm_up(*shot, extent, need_positions, timings); !ready) return tl::unexpected(ready.error());
+  const Wanted wanted{view.samples == 1 ? view.colors : Colors::floats,  // the mean of samples is taken in float
+                      view.want_regions || view.want_depth, view.want_depth || view.want_positions};
+  const FramePasses passes{enabled(view, "pixel-list"), enabled(view, "keep-surface"), enabled(view, "keep-picture")};
+  if (const auto ready = warm_up(*shot, extent, wanted, passes, timings); !ready) return tl::unexpected(ready.error());
 
   const Stopwatch watch(timings, "frame");
   Picture picture = empty_picture(view);
@@ -250,10 +381,9 @@ Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
   for (std::uint32_t y = 0; y < shot->size_px.y; y += extent.height) {
     for (std::uint32_t x = 0; x < shot->size_px.x; x += extent.width) {
       const Tile tile{{x, y}, glm::min(glm::uvec2(extent.width, extent.height), shot->size_px - glm::uvec2(x, y))};
-      gpu_ms += render_tile(*frame, *shot, tile);
+      gpu_ms += render_tile(*shot, tile, passes);
       const TilePixels result = tile_pixels(*frame, tile);
-      const std::size_t count = std::size_t{tile.size_px.x} * tile.size_px.y;
-      unfinished += static_cast<std::size_t>(std::count(result.regions, result.regions + count, DMVV_UNFINISHED));
+      unfinished += result.unfinished;
       resolve_tile(result, tile, *shot, view.samples, picture);
     }
   }

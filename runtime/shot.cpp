@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numbers>
 
@@ -145,14 +146,14 @@ Result<Shot> plan_shot(const View& view, const voml::Bounds& bounds, std::uint32
   return shot;
 }
 
-void fill_slice_positions(const SliceFrame& slice, glm::uvec2 corner_px, glm::uvec2 size_px, glm::vec4* texels) {
+void fill_slice_surface(const SliceFrame& slice, glm::uvec2 corner_px, glm::uvec2 size_px, glm::uvec4* texels) {
   constexpr double closed_cube = 1.0 + 1e-12;  // a plane given as "1 1 0 2" must not lose the edge to rounding
   for (std::uint32_t y = 0; y < size_px.y; ++y) {
     for (std::uint32_t x = 0; x < size_px.x; ++x) {
       const glm::dvec3 p =
           slice.origin + slice.step_x * double(corner_px.x + x) + slice.step_y * double(corner_px.y + y);
       const bool inside = std::abs(p.x) <= closed_cube && std::abs(p.y) <= closed_cube && std::abs(p.z) <= closed_cube;
-      *texels++ = inside ? glm::vec4(glm::vec3(p), 1.0f) : glm::vec4(0.0f);
+      *texels++ = inside ? glm::uvec4(glm::floatBitsToUint(glm::vec3(p)), DMVV_SURFACE_BIT) : glm::uvec4(0u);
     }
   }
 }

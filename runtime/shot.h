@@ -29,8 +29,8 @@ struct Shot {
 /// finite.
 Result<Shot> plan_shot(const View& view, const voml::Bounds& bounds, std::uint32_t largest_px);
 
-/// The position texels of a slice's tile: width * height times xyz1, or zeros where the pixel lies outside the standard
-/// cube. Computed in double and rounded once.
-void fill_slice_positions(const SliceFrame& slice, glm::uvec2 corner_px, glm::uvec2 size_px, glm::vec4* texels);
+/// The surface texels (shaders/surface.glsl) of a slice's tile, without a normal: width * height of them, zeros where the
+/// pixel lies outside the standard cube. Positions are computed in double and rounded once.
+void fill_slice_surface(const SliceFrame& slice, glm::uvec2 corner_px, glm::uvec2 size_px, glm::uvec4* texels);
 
 }  // namespace dmvv::runtime

@@ -31,6 +31,7 @@ struct Plane {
 };
 
 enum class Shading : std::uint8_t { none, lit };
+enum class Colors : std::uint8_t { floats, bytes };
 
 struct View {
   glm::uvec2 size_px{1280, 720};
@@ -41,14 +42,24 @@ struct View {
   Shading shading = Shading::lit;    ///< slices are never lit
   double time_ms = 0.0;              ///< since the animation's start
   std::uint32_t samples = 1;         ///< per pixel along each axis, 1..16; the picture is the mean of samples^2
+  Colors colors = Colors::floats;    ///< bytes: a quarter of the memory on the way, and what a PNG holds
   bool want_regions = false;
   bool want_depth = false;
   bool want_positions = false;
+  std::vector<std::string> disabled_passes;  ///< names of frame_pass_names()
 };
+
+/// What is left out of a frame, name and one sentence each; none changes a picture.
+struct FramePassInfo {
+  std::string_view name;
+  std::string_view what;
+};
+const std::vector<FramePassInfo>& frame_pass_names();
 
 struct Picture {
   glm::uvec2 size_px{0};
-  std::vector<float> rgba;             ///< straight alpha, rows from the top, 0..1, sRGB as shown
+  std::vector<float> rgba;             ///< Colors::floats: straight alpha, rows from the top, 0..1, sRGB as shown
+  std::vector<std::uint8_t> rgba8;     ///< Colors::bytes: the same times 255, rounded to the nearest
   std::vector<std::uint32_t> regions;  ///< if asked for; at sample (0, 0) of each pixel when samples > 1
   std::vector<float>
       depth;  ///< if asked for: distance along the view direction, root units (0 on a slice); infinity where empty
@@ -80,8 +91,13 @@ struct SliceFrame {
 };
 SliceFrame slice_frame(const Plane& plane, glm::uvec2 size_px);
 
-/// Writes a picture: .png (8 bit, straight alpha), .tif/.tiff (16 bit, straight), .exr (float, premultiplied as the
-/// format wants). Two writes of the same picture give the same bytes. By way of a temporary name. Errors: input fault
+/// A channel as PNG stores it: the nearest of 0..255; NaN is 0.
+inline std::uint8_t to_byte(float value) {
+  return static_cast<std::uint8_t>(value > 0.0f ? (value < 1.0f ? value : 1.0f) * 255.0f + 0.5f : 0.0f);
+}
+
+/// Writes a picture: .png (8 bit, straight alpha), and if it has floats .tif/.tiff (16 bit, straight), .exr (float,
+/// premultiplied as the format wants). Two writes of the same picture give the same bytes. By way of a temporary name. Errors: input fault
 /// for an unknown ending or a folder that does not exist.
 Result<void> write_picture(const std::string& path, const Picture& picture);
 /// Region numbers: .exr (one uint channel "region"), .png / .tif (16 bit grey; refused if a number exceeds 65,535).

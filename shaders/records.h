@@ -30,18 +30,25 @@ using uvec4 = glm::uvec4;
 // kernel `points`
 #define DMVV_BIND_POINTS 0   // readonly vec4[count]: xyz root coordinates
 #define DMVV_BIND_ANSWERS 1  // writeonly uint[count * (DMVV_ANSWER_HEADER + 2 * depth)]
-// kernel `pixels`
-#define DMVV_BIND_POSITION 0  // rgba32f: xyz root coordinates of the visible surface, w 1 where there is one, else 0
-#define DMVV_BIND_NORMAL 1    // rgba16f: xyz unit normal towards the viewer, w unused
-#define DMVV_BIND_COLOR 2     // rgba32f out: straight alpha; 0 where there is nothing
-#define DMVV_BIND_REGION 3    // r32ui out: region number, 0 where empty
+// kernel `pixels`, and `list` that comes before it
+#define DMVV_BIND_SURFACE 0  // rgba32ui: the visible surface (shaders/surface.glsl)
+#define DMVV_BIND_COLOR 1    // rgba32f out: straight alpha; 0 where there is nothing
+#define DMVV_BIND_BYTES 2    // r32ui out, in place of it: 8 bits a channel, red lowest
+#define DMVV_BIND_REGION 3   // r32ui out, if wanted: region number, 0 where empty
+#define DMVV_BIND_LIST 4     // PixelListHeader, then the listed pixels: x, and y in the upper half
+
+// ---- specialisation constants of `pixels` ----
+#define DMVV_CONST_LISTED 0   // the pixels of the list, else all
+#define DMVV_CONST_BYTES 1    // writes DMVV_BIND_BYTES, else DMVV_BIND_COLOR
+#define DMVV_CONST_REGIONS 2  // writes DMVV_BIND_REGION
 
 #define DMVV_POINTS_GROUP_SIZE 64  // local_size_x of `points`
-#define DMVV_PIXELS_GROUP_SIZE 8   // local_size_x and _y of `pixels`
+#define DMVV_PIXELS_BLOCK 8        // pixels go in blocks of so many each way,
+#define DMVV_PIXELS_GROUP_SIZE 64  // one block a group: local_size_x of `pixels`
 
 // An answer of `points`: number, path length, rgba as float bits, then (region index, candidate) a level.
 #define DMVV_ANSWER_HEADER 6
-#define DMVV_UNFINISHED 0xffffffffu  // in place of a region number: the loop rounds of the device did not suffice
+#define DMVV_UNFINISHED 0xffffffffu  // in place of an answer's number: the loop rounds of the device did not suffice
 
 // The high bit of a node reference says that it names a region.
 #define DMVV_REGION_BIT 0x80000000u
@@ -65,6 +72,17 @@ struct PixelsParams {
   uint width, height;
   uint pad0, pad1;
 };
+
+// What `list` counts, and an indirect dispatch reads.
+struct PixelListHeader {
+  uint groups_x, groups_y, groups_z;  // of `pixels`; 0, 1, 1 before `list`
+  uint count;                         // pixels in the list
+  uint unfinished;                    // pixels for which the loop rounds of the device did not suffice
+  uint pad0, pad1, pad2;
+};
+
+// The highest bit of a surface texel's w: there is a surface.
+#define DMVV_SURFACE_BIT 0x80000000u
 
 // An affine map as three rows: q[i] = dot(row[i].xyz, p) + row[i].w.
 struct AffineRows {
@@ -133,6 +151,7 @@ struct PlacementRecord {
 #ifdef __cplusplus
 static_assert(sizeof(PointsParams) == 16);
 static_assert(sizeof(PixelsParams) == 64);
+static_assert(sizeof(PixelListHeader) == 32);
 static_assert(sizeof(AffineRows) == 48);
 static_assert(sizeof(NodeRecord) == 16);
 static_assert(sizeof(SdfRecord) == 128);

@@ -1,16 +1,17 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/raster.h"
+#include "shaders/records.h"
 #include "shaders/cuts.glsl"
+#include "shaders/surface.glsl"
 
 // true: no surface is drawn; fragments beyond the cap are counted by the stencil, leaving ones up, entering ones down.
 layout(constant_id = 0) const bool count_beyond_cap = false;
 
-layout(location = 0) in vec3 surface_position;
-layout(location = 1) in vec3 surface_normal;
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
 layout(location = 2) flat in vec3 corner_position;
-layout(location = 0) out vec4 position_out;
-layout(location = 1) out vec4 normal_out;
+layout(location = 0) out uvec4 surface_out;
 
 // Interpolation is off by some 2^-22. A coordinate that equals the triangle's corner's to that precision is taken to be
 // the same: so the faces of axis-aligned boxes are flat to the bit, and features that end there do not speckle.
@@ -20,7 +21,7 @@ vec3 snap(vec3 p, vec3 corner) {
 }
 
 void main() {
-  precise float t = dot(raster.forward.xyz, surface_position - raster.eye.xyz);
+  precise float t = dot(raster.forward.xyz, position - raster.eye.xyz);
   Kept kept = kept_part(ray_direction(gl_FragCoord.xy));
   if (count_beyond_cap) {
     float cap = cap_depth(kept);
@@ -29,6 +30,5 @@ void main() {
   } else if (t < kept.enter || t > kept.leave) {
     discard;
   }
-  position_out = vec4(snap(surface_position, corner_position), 1.0);
-  normal_out = vec4(normalize(gl_FrontFacing ? surface_normal : -surface_normal), 0.0);
+  surface_out = pack_surface(snap(position, corner_position), normalize(gl_FrontFacing ? normal : -normal));
 }

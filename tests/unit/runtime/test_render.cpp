@@ -325,6 +325,78 @@ TEST_CASE("two renders give the same bytes") {
   CHECK(first.depth == second.depth);
 }
 
+TEST_CASE("bytes are the floats of the same picture, rounded to the nearest") {
+  const QuietValidation quiet;
+  const voml::Mesh ring = torus(0.65, 0.3, 24);
+  for (const bool sliced : {false, true}) {
+    for (const std::uint32_t samples : {1u, 2u}) {
+      View view = view_from({2.5, 3.0, 4.0}, {{{0.0, 0.0, 1.0}, 0.05}});
+      view.mesh = &ring;
+      if (sliced) view.slice = Plane{{0.3, 0.0, 1.0}, 0.1};
+      view.samples = samples;
+      view.want_regions = true;
+      const Picture floats = render(view, Show::normal);
+      view.colors = runtime::Colors::bytes;
+      const Picture bytes = render(view, Show::normal);
+      CHECK(bytes.rgba.empty());
+      CHECK(floats.rgba8.empty());
+      CHECK(bytes.regions == floats.regions);
+      REQUIRE(bytes.rgba8.size() == floats.rgba.size());
+      std::size_t wrong = 0;
+      for (std::size_t i = 0; i < floats.rgba.size(); ++i) wrong += bytes.rgba8[i] != runtime::to_byte(floats.rgba[i]) ? 1 : 0;
+      CHECK(wrong == 0);
+    }
+  }
+  CHECK(runtime::to_byte(NAN) == 0);
+  CHECK(runtime::to_byte(-1.0f) == 0);
+  CHECK(runtime::to_byte(0.5f / 255.0f) == 1);
+  CHECK(runtime::to_byte(7.0f) == 255);
+}
+
+TEST_CASE("a frame that keeps what stands still is the frame drawn anew, whatever changes and in whatever order") {
+  const QuietValidation quiet;
+  const voml::Mesh ring = torus(0.65, 0.3, 24), ball = sphere(0.9, glm::dvec3(0.0), 12);
+  std::vector<View> views;
+  const auto add = [&](auto change) {
+    View view = view_from({2.5, 3.0, 4.0}, {{{0.0, 0.0, 1.0}, 0.05}});
+    view.mesh = &ring;
+    view.want_regions = view.want_depth = view.want_positions = true;
+    change(view);
+    views.push_back(view);
+  };
+  add([](View&) {});
+  add([](View& v) { v.shading = runtime::Shading::lit; });
+  add([](View& v) { v.camera.eye.x += 1e-3; });
+  add([](View& v) { v.cuts.clear(); });
+  add([](View& v) { v.cuts[0].d = 0.06; });
+  add([&](View& v) { v.mesh = &ball; });
+  add([](View& v) { v.slice = Plane{{0.0, 0.0, 1.0}, 0.0}; });
+  add([](View& v) { v.slice = Plane{{0.0, 0.0, 1.0}, 1e-6}; });
+  add([](View& v) { v.size_px.x -= 8; });
+  add([](View& v) { v.colors = runtime::Colors::bytes; });
+  add([](View& v) { v.want_depth = v.want_positions = false; });
+  add([](View& v) { v.samples = 2; });
+  std::vector<Picture> expected;
+  for (const View& view : views) expected.push_back(render(view, Show::checker));
+
+  auto evaluator = must(runtime::Evaluator::create(device(), program(Show::checker)));
+  for (std::size_t step : {1u, 5u, 7u}) {  // coprime with the number of views: each follows each in some round
+    for (std::size_t i = 0, at = 0; i < 2 * views.size(); ++i, at = (at + (i % 2) * step) % views.size()) {  // each twice
+      for (const auto& disabled : {std::vector<std::string>{}, {"keep-picture"}, {"keep-surface", "keep-picture"}, {"pixel-list"}}) {
+        View view = views[at];
+        view.disabled_passes = disabled;
+        const Picture picture = must(evaluator.render(view));
+        CAPTURE(at);
+        CHECK(picture.rgba == expected[at].rgba);
+        CHECK(picture.rgba8 == expected[at].rgba8);
+        CHECK(picture.regions == expected[at].regions);
+        CHECK(picture.depth == expected[at].depth);
+      }
+    }
+  }
+  CHECK(runtime::frame_pass_names().size() == 3);
+}
+
 TEST_CASE("an open mesh is drawn from both sides, and its cut says so") {
   const QuietValidation quiet;
   voml::Mesh open = voml::standard_cube();

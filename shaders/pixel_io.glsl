@@ -1,0 +1,54 @@
+// What kernels over pixels share: which pixel is whose, and where the answer goes. Comes after shaders/records.h and
+// shaders/surface.glsl.
+
+layout(local_size_x = DMVV_PIXELS_GROUP_SIZE) in;
+layout(constant_id = DMVV_CONST_LISTED) const bool listed = false;
+layout(constant_id = DMVV_CONST_BYTES) const bool as_bytes = false;
+layout(constant_id = DMVV_CONST_REGIONS) const bool with_regions = true;
+layout(set = 1, binding = DMVV_BIND_SURFACE, rgba32ui) readonly uniform uimage2D surface_image;
+layout(set = 1, binding = DMVV_BIND_COLOR, rgba32f) writeonly uniform image2D color_image;
+layout(set = 1, binding = DMVV_BIND_BYTES, r32ui) writeonly uniform uimage2D bytes_image;
+layout(set = 1, binding = DMVV_BIND_REGION, r32ui) writeonly uniform uimage2D region_image;
+layout(set = 1, binding = DMVV_BIND_LIST, std430) buffer PixelList {
+  PixelListHeader header;
+  uint pixels[];
+} list;
+layout(push_constant) uniform Params { PixelsParams params; };
+
+// The pixel of this invocation; false: there is none.
+bool find_pixel(out uvec2 pixel) {
+  uint i = gl_GlobalInvocationID.x;
+  if (listed) {
+    bool there = i < list.header.count;
+    uint both = list.pixels[there ? i : 0u];
+    pixel = uvec2(both & 0xffffu, both >> 16u);
+    return there;
+  }
+  uint block = i / DMVV_PIXELS_GROUP_SIZE, within = i % DMVV_PIXELS_GROUP_SIZE;
+  uint blocks_x = (params.width + DMVV_PIXELS_BLOCK - 1u) / DMVV_PIXELS_BLOCK;
+  pixel = uvec2(block % blocks_x, block / blocks_x) * DMVV_PIXELS_BLOCK +
+          uvec2(within % DMVV_PIXELS_BLOCK, within / DMVV_PIXELS_BLOCK);
+  return pixel.x < params.width && pixel.y < params.height;
+}
+
+void list_pixel(uvec2 pixel) {
+  uint slot = atomicAdd(list.header.count, 1u);
+  list.pixels[slot] = pixel.x | pixel.y << 16u;
+  if (slot % DMVV_PIXELS_GROUP_SIZE == 0u) atomicAdd(list.header.groups_x, 1u);
+}
+
+// As runtime::to_byte rounds.
+uint pack_bytes(vec4 rgba) {
+  uvec4 b = uvec4(clamp(rgba, 0.0, 1.0) * 255.0 + 0.5);
+  return b.r | b.g << 8u | b.b << 16u | b.a << 24u;
+}
+
+void store_pixel(uvec2 pixel, vec4 rgba, uint region, bool unfinished) {
+  if (as_bytes) {
+    imageStore(bytes_image, ivec2(pixel), uvec4(pack_bytes(rgba)));
+  } else {
+    imageStore(color_image, ivec2(pixel), rgba);
+  }
+  if (with_regions) imageStore(region_image, ivec2(pixel), uvec4(region));
+  if (unfinished) atomicAdd(list.header.unfinished, 1u);
+}
