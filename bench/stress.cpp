@@ -15,6 +15,7 @@
 #include "bench/stress_scenes.h"
 #include "compiler/affine.h"
 #include "compiler/compile.h"
+#include "compiler/flatten.h"
 #include "compiler/reference.h"
 #include "voml/files.h"
 
@@ -502,7 +503,7 @@ void Runner::structures() {
 
 /// Everything a program is, as bytes.
 std::string bytes_of(const compiler::Program& program) {
-  std::string all = program.glsl[0] + program.glsl[1] + program.records_text;
+  std::string all = program.glsl[0] + program.glsl[1] + compiler::records_text(program);
   for (const auto& spirv : program.spirv) all.append(reinterpret_cast<const char*>(spirv.data()), 4 * spirv.size());
   for (const auto& buffer : program.buffers) all.append(reinterpret_cast<const char*>(buffer.bytes.data()), buffer.bytes.size());
   for (const auto& texture : program.textures) {

@@ -12,6 +12,7 @@
 #include "cli/dump.h"
 #include "cli/options.h"
 #include "cli/outputs.h"
+#include "compiler/flatten.h"
 
 namespace dmvv::cli {
 namespace {
@@ -118,7 +119,7 @@ void dump_program(Dump& dump, const std::set<std::string>& words, const compiler
     }
   }
   if (words.contains("records")) {
-    dump.add("records.txt", records_text(program));
+    dump.add("records.txt", compiler::records_text(program));
     for (const compiler::Buffer& buffer : program.buffers) dump.add(buffer.name + ".bin", bytes_of(buffer.bytes));
   }
   if (words.contains("atlas")) {

@@ -10,9 +10,6 @@
 
 namespace dmvv::cli {
 
-/// The GPU records of a program as text, one record a line, decoded from its buffers.
-std::string records_text(const compiler::Program& program);
-
 /// SPIR-V assembly with friendly names, as spirv-dis prints it.
 Result<std::string> disassemble(std::span<const std::uint32_t> spirv);
 

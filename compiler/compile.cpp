@@ -29,7 +29,8 @@ GridStorage grid_storage(const Module& module, const CompileOptions& options) {
 
 template <class T>
 void add_buffer(Program& program, const char* name, std::uint32_t binding, const std::vector<T>& records) {
-  Buffer buffer{name, binding, std::vector<std::byte>(std::max<std::size_t>(records.size(), 1) * sizeof(T))};
+  Buffer buffer{name, binding, std::vector<std::byte>(std::max<std::size_t>(records.size(), 1) * sizeof(T)),
+                records.size()};
   if (!records.empty()) std::memcpy(buffer.bytes.data(), records.data(), records.size() * sizeof(T));
   program.statistics.buffer_bytes += buffer.bytes.size();
   program.buffers.push_back(std::move(buffer));
@@ -150,7 +151,6 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   add_buffers(program, records, evaluation.uses);
   if (evaluation.uses.time) add_buffer(program, "time_values", DMVV_BIND_TIME, time_values(program.time_functions, 0.0));
   if (!check_buffers(program, options.max_storage_buffer, diagnostics)) return std::nullopt;
-  program.records_text = to_text(records);
   return program;
 }
 

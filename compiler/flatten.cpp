@@ -2,7 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <functional>
+#include <future>
 #include <glm/common.hpp>
+#include <thread>
 
 namespace dmvv::compiler {
 
@@ -17,6 +23,7 @@ class Flattening {
 
   Records run() {
     number_decisions();
+    build_lookups();
     for (const Object& object : module_.objects) out_.objects.push_back(references_[object.root.index]);
     for (const Node& node : module_.nodes) {
       if (const auto* decision = std::get_if<Decision>(&node.content)) out_.nodes.push_back(flatten_node(*decision));
@@ -57,9 +64,7 @@ class Flattening {
     record.kind = static_cast<std::uint32_t>(sdf.placement);
     record.first_placement = static_cast<std::uint32_t>(out_.placements.size());
     for (const Affine& affine : sdf.local_from_object) out_.placements.push_back({rows(affine), 0, 0, 0, 0});
-    if (sdf.placement == voml::Placement::seeded) {
-      record.lookup = append_lookup(placed_boxes(sdf, module_), sdf.index_size, glm::dvec3(0.0));
-    }
+    if (sdf.placement == voml::Placement::seeded) record.lookup = append_lookup();
     return record;
   }
 
@@ -89,13 +94,38 @@ class Flattening {
     for (const Candidate& candidate : group.candidates) {
       out_.placements.push_back({rows(candidate.local_from_parent), candidate.object.index, candidate.tiled, 0, 0});
     }
-    record.lookup = append_lookup(placed_boxes(group), group.index_size, lookup_frame_error(group));
+    record.lookup = append_lookup();
     return record;
   }
 
-  gpu::LookupRecord append_lookup(const std::vector<PlacedBox>& boxes, const glm::uvec3& wish,
-                                  const glm::dvec3& frame_error) {
-    const Lookup lookup = build_lookup(boxes, use_index_ ? wish : glm::uvec3(1), frame_error);
+  /// All lists' lookup grids, in the order in which append_lookup takes them, on all cores: each is built by itself.
+  void build_lookups() {
+    std::vector<std::function<Lookup()>> jobs;
+    const auto wish = [&](const glm::uvec3& authors) { return use_index_ ? authors : glm::uvec3(1); };
+    for (const Sdf& sdf : module_.sdfs) {
+      if (sdf.placement != voml::Placement::seeded) continue;
+      jobs.emplace_back([&] { return build_lookup(placed_boxes(sdf, module_), wish(sdf.index_size), glm::dvec3(0.0)); });
+    }
+    for (const Region& region : module_.regions) {
+      for (const CandidateGroup& group : region.groups) {
+        jobs.emplace_back(
+            [&] { return build_lookup(placed_boxes(group), wish(group.index_size), lookup_frame_error(group)); });
+      }
+    }
+    lookups_.resize(jobs.size());
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+      for (std::size_t i; (i = next++) < jobs.size();) lookups_[i] = jobs[i]();
+    };
+    std::vector<std::future<void>> others;
+    const std::size_t threads = std::min<std::size_t>(std::thread::hardware_concurrency(), jobs.size());
+    for (std::size_t i = 1; i < threads; ++i) others.push_back(std::async(std::launch::async, work));
+    work();
+    for (std::future<void>& other : others) other.get();
+  }
+
+  gpu::LookupRecord append_lookup() {
+    const Lookup lookup = std::move(lookups_[next_lookup_++]);
     gpu::LookupRecord record{};
     record.lo = vec(lookup.lo);
     record.cells_per_unit = vec(glm::dvec3(lookup.size) / (lookup.hi - lookup.lo));
@@ -114,6 +144,8 @@ class Flattening {
   const Atlas& bitmap_atlas_;
   bool use_index_;
   std::vector<std::uint32_t> references_;  // of each node
+  std::vector<Lookup> lookups_;
+  std::size_t next_lookup_ = 0;
   Records out_;
 };
 
@@ -224,6 +256,25 @@ std::string to_text(const Records& records) {
   }
   out += fmt::format("cells {}\nlists {}\n", records.cells.size(), records.lists.size());
   return out;
+}
+
+std::string records_text(const Program& program) {
+  Records records;
+  const auto decode = [&]<class Record>(std::uint32_t binding, std::vector<Record>& into) {
+    const auto buffer = std::ranges::find(program.buffers, binding, &Buffer::binding);
+    if (buffer == program.buffers.end()) return;
+    into.resize(buffer->count);
+    std::memcpy(into.data(), buffer->bytes.data(), into.size() * sizeof(Record));
+  };
+  decode(DMVV_BIND_NODES, records.nodes);
+  decode(DMVV_BIND_SDFS, records.sdfs);
+  decode(DMVV_BIND_REGIONS, records.regions);
+  decode(DMVV_BIND_GROUPS, records.groups);
+  decode(DMVV_BIND_PLACEMENTS, records.placements);
+  decode(DMVV_BIND_CELLS, records.cells);
+  decode(DMVV_BIND_LISTS, records.lists);
+  decode(DMVV_BIND_OBJECTS, records.objects);
+  return to_text(records);
 }
 
 }  // namespace dmvv::compiler

@@ -8,6 +8,7 @@
 #include "compiler/atlas.h"
 #include "compiler/lookup.h"
 #include "compiler/module.h"
+#include "compiler/program.h"
 #include "shaders/records.h"
 
 namespace dmvv::compiler {
@@ -50,7 +51,9 @@ gpu::AffineRows rows(const Affine& affine);
 /// Cost: that of build_lookup for each list.
 Records flatten(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, bool use_index);
 
-/// Records as text, one a line, stable: for `--dump records` and goldens.
+/// Records as text, one a line, stable.
 std::string to_text(const Records& records);
+/// The records in a program's buffers likewise: for `--dump records` and goldens.
+std::string records_text(const Program& program);
 
 }  // namespace dmvv::compiler

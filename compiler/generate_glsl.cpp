@@ -7,6 +7,7 @@
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -34,7 +35,9 @@ constexpr std::size_t most_constant_regions = 24;
 // lavapipe ignores, in silence, conditions that stand inside more than 80 others, after inlining; lowering early exits
 // adds some.
 constexpr std::uint32_t most_nested = 48;
-constexpr std::uint32_t nesting_of_group = 6;
+constexpr std::uint32_t deep_tree = 16;  // decisions on a way; deeper trees are written without nesting
+constexpr std::uint32_t nesting_of_flat_tree = 2;
+constexpr std::uint32_t nesting_of_group = 6;  // of a loop over candidates
 constexpr std::uint32_t nesting_of_walker = 8;
 
 std::uint32_t saturating_add(std::uint32_t a, std::uint64_t b) {
@@ -104,6 +107,7 @@ class Generator {
     out_.filter = grid_atlas_.filter;
     emit_functions();
     collect_objects();
+    find_guarded();
     choose_cuts();
     const bool any_cut = std::find(cut_.begin(), cut_.end(), true) != cut_.end();
     out_.uses.walker = any_cut;
@@ -208,6 +212,7 @@ class Generator {
     std::vector<Id<Region>> regions;  ///< different ones, in the order of the tree
     std::uint32_t decisions = 0;      ///< of the tree written out, shared subtrees repeated
     std::uint32_t depth = 0;          ///< most decisions on a way through the tree
+    bool has_flat_tree = false;       ///< then decisions are written once each, none within another
     std::uint32_t seeded = 0;         ///< of these
     std::uint32_t source_lines = 0;   ///< of snippets and filters
   };
@@ -224,6 +229,8 @@ class Generator {
   /// Visits the tree as it will be written out: a shared subtree counts as often as it is reached.
   ObjectParts collect(Id<Node> root) const {
     ObjectParts parts;
+    parts.has_flat_tree = is_deep(root);
+    std::set<Id<Node>> visited;
     std::vector<std::pair<Id<Node>, std::uint32_t>> pending{{root, 0}};
     std::set<Id<Sdf>> sdfs;
     std::set<Id<Region>> regions;
@@ -231,6 +238,7 @@ class Generator {
       const auto [node, depth] = pending.back();
       pending.pop_back();
       parts.depth = std::max(parts.depth, depth);
+      if (parts.has_flat_tree && !visited.insert(node).second) continue;
       if (const auto* region = std::get_if<Id<Region>>(&at(module_.nodes, node).content)) {
         if (regions.insert(*region).second) parts.regions.push_back(*region);
         continue;
@@ -244,6 +252,25 @@ class Generator {
       pending.push_back({decision.positive, depth + 1});
     }
     return parts;
+  }
+
+  /// Is there a way of more than deep_tree decisions?
+  bool is_deep(Id<Node> root) const {
+    std::map<Id<Node>, std::uint32_t> longest;  // ways down to each node reached
+    std::vector<std::pair<Id<Node>, std::uint32_t>> pending{{root, 0}};
+    while (!pending.empty()) {
+      const auto [node, depth] = pending.back();
+      pending.pop_back();
+      const auto* decision = std::get_if<Decision>(&at(module_.nodes, node).content);
+      if (decision == nullptr) continue;
+      if (depth + 1 > deep_tree) return true;
+      const auto [known, is_new] = longest.try_emplace(node, depth);
+      if (!is_new && known->second >= depth) continue;
+      known->second = depth;
+      pending.push_back({decision->negative, depth + 1});
+      pending.push_back({decision->positive, depth + 1});
+    }
+    return false;
   }
 
   /// Of an SDF's source, beyond one texture lookup.
@@ -263,6 +290,16 @@ class Generator {
     std::sort(called.begin(), called.end());
     called.erase(std::unique(called.begin(), called.end()), called.end());
     return called;
+  }
+
+  /// A group of one candidate calls its object unconditionally, with a guard: so embedding does not nest.
+  void find_guarded() {
+    guarded_.assign(module_.objects.size(), false);
+    for (const Region& region : module_.regions) {
+      for (const CandidateGroup& group : region.groups) {
+        if (group.candidates.size() == 1) guarded_[group.candidates.front().object.index] = true;
+      }
+    }
   }
 
   // ---- which objects are cut ----
@@ -338,10 +375,12 @@ class Generator {
     const std::uint32_t walker = nesting_of_walker + halvings + function_nesting_;
     std::vector<std::uint32_t> nested(module_.objects.size());
     for (std::size_t i = nested.size(); i-- > 0;) {
-      nested[i] = parts_[i].depth + function_nesting_ + 2;
+      nested[i] = (parts_[i].has_flat_tree ? nesting_of_flat_tree : parts_[i].depth) + function_nesting_ + 3;
       for (const Id<Region> region : parts_[i].regions) {
-        for (const auto& called : calls_[region.index]) {
-          for (const Id<Object> child : called) nested[i] = std::max(nested[i], nesting_of_group + nested[child.index]);
+        for (const CandidateGroup& group : at(module_.regions, region).groups) {
+          const std::uint32_t around = group.candidates.size() > 1 ? nesting_of_group : 0;
+          for (const Candidate& candidate : group.candidates)
+            nested[i] = std::max(nested[i], around + nested[candidate.object.index]);
         }
       }
       too_deep_.push_back(nested[i] > most_nested);
@@ -464,8 +503,12 @@ class Generator {
 
   // ---- objects ----
 
-  std::string call(Id<Object> object, const std::string& p, const std::string& level) const {
-    if (cut_[object.index]) return fmt::format("walk({}u, {}, {})", object.index, p, level);
+  std::string call(Id<Object> object, const std::string& p, const std::string& level,
+                   const std::string& guard = "true") const {
+    if (cut_[object.index]) {
+      return fmt::format("{}walk({}u, {}, {})", guard == "true" ? "" : "if (" + guard + ") ", object.index, p, level);
+    }
+    if (guarded_[object.index]) return fmt::format("object_{}({}, {}, {})", object.index, p, level, guard);
     return fmt::format("object_{}({}, {})", object.index, p, level);
   }
 
@@ -473,16 +516,73 @@ class Generator {
     const ObjectParts& parts = parts_[id.index];
     for (const Id<Sdf> sdf : parts.sdfs) emit_sdf(sdf);
     line("// {}", at(module_.objects, id).name);
-    open(fmt::format("void object_{}(vec3 p, uint level)", id.index));
+    guard_ = guarded_[id.index] ? "entered" : "";
+    open(fmt::format("void object_{}(vec3 p, uint level{})", id.index, guard_.empty() ? "" : ", bool entered"));
     const bool one_region = parts.regions.size() == 1;
-    if (!one_region) {
-      line("uint region;");
-      emit_tree(at(module_.objects, id).root);
-    }
+    if (!one_region) emit_decisions(at(module_.objects, id).root, parts.has_flat_tree);
     for (const Id<Region> region : parts.regions) emit_candidates(region, one_region);
     emit_own_answer(parts.regions, one_region);
     close();
     line("");
+  }
+
+  /// `condition` where the object's code is guarded also that it is asked; "" is no condition.
+  std::string guarded(const std::string& condition) const {
+    if (guard_.empty() || condition.empty()) return guard_ + condition;
+    return guard_ + " && " + condition;
+  }
+
+  void emit_decisions(Id<Node> root, bool flat) {
+    if (flat) {
+      emit_flat_tree(root);
+      return;
+    }
+    line("uint region{};", guard_.empty() ? "" : " = DMVV_NO_REGION");
+    if (!guard_.empty()) open(fmt::format("if ({})", guard_));
+    emit_tree(root);
+    if (!guard_.empty()) close();
+  }
+
+  /// One decision after the other, parents first; `at` is the decision or region that the point has come to.
+  void emit_flat_tree(Id<Node> root) {
+    std::vector<Id<Node>> order;
+    std::map<Id<Node>, std::uint32_t> parents;  // that are not yet in order
+    std::vector<Id<Node>> pending{root};
+    const auto children = [&](Id<Node> node) -> std::vector<Id<Node>> {
+      const auto* decision = std::get_if<Decision>(&at(module_.nodes, node).content);
+      return decision ? std::vector<Id<Node>>{decision->negative, decision->positive} : std::vector<Id<Node>>{};
+    };
+    for (std::set<Id<Node>> seen{root}; !pending.empty();) {
+      const Id<Node> node = pending.back();
+      pending.pop_back();
+      for (const Id<Node> child : children(node)) {
+        ++parents[child];
+        if (seen.insert(child).second) pending.push_back(child);
+      }
+    }
+    pending = {root};
+    while (!pending.empty()) {
+      const Id<Node> node = pending.back();
+      pending.pop_back();
+      if (!children(node).empty()) order.push_back(node);
+      for (const Id<Node> child : children(node)) {
+        if (--parents[child] == 0) pending.push_back(child);
+      }
+    }
+
+    std::map<Id<Node>, std::uint32_t> number;
+    for (const Id<Node> node : order) number.emplace(node, static_cast<std::uint32_t>(number.size()));
+    const auto reference = [&](Id<Node> node) {
+      const auto* region = std::get_if<Id<Region>>(&at(module_.nodes, node).content);
+      return region ? fmt::format("DMVV_REGION_BIT | {}u", region->index) : fmt::format("{}u", number.at(node));
+    };
+    line("uint at = {};", guard_.empty() ? "0u" : guard_ + " ? 0u : DMVV_NO_REGION");
+    for (const Id<Node> node : order) {
+      const auto& decision = std::get<Decision>(at(module_.nodes, node).content);
+      line("if (at == {}u) at = {}(p) ? {} : {};", fmt::format("{}", number.at(node)), sdf_name(decision.sdf),
+           reference(decision.negative), reference(decision.positive));
+    }
+    line("uint region = at & ~DMVV_REGION_BIT;");
   }
 
   void emit_tree(Id<Node> id) {
@@ -502,46 +602,51 @@ class Generator {
 
   void emit_candidates(Id<Region> id, bool one_region) {
     const Region& region = at(module_.regions, id);
-    if (region.groups.empty()) return;
-    if (one_region) {
-      open("");
-    } else {
-      open(fmt::format("if (region == {}u)", id.index));
-    }
     for (std::size_t g = 0; g < region.groups.size(); ++g) {
+      const CandidateGroup& group = region.groups[g];
       const std::uint32_t record = records_.regions[id.index].first_group + static_cast<std::uint32_t>(g);
-      emit_group(id, region.groups[g], records_.groups[record]);
+      line("// {}: {} candidates", region.name, fmt::format("{}", group.candidates.size()));
+      const std::string here = guarded(one_region ? "" : fmt::format("region == {}u", id.index));
+      const std::string nobody_yet = g == 0 ? "" : "hit_number == 0u";  // nobody is asked once there is an answer
+      const std::string asked = here.empty() || nobody_yet.empty() ? here + nobody_yet : here + " && " + nobody_yet;
+      if (group.candidates.size() == 1) {
+        emit_one_candidate(id, group, asked);
+      } else {
+        emit_group(id, group, records_.groups[record], asked);
+      }
     }
-    close();
   }
 
-  void emit_group(Id<Region> region, const CandidateGroup& group, const gpu::GroupRecord& record) {
-    line("// {}: {} candidates", at(module_.regions, region).name, fmt::format("{}", group.candidates.size()));
-    open("if (hit_number == 0u)");
+  void emit_group(Id<Region> region, const CandidateGroup& group, const gpu::GroupRecord& record,
+                  const std::string& asked) {
+    open(asked.empty() ? "" : fmt::format("if ({})", asked));
     if (group.box_from_object) {
       line("vec3 b = {};", affine_expression(*group.box_from_object, "p", options_.fold_affine));
       open("if (in_cube(b))");
     }
-    if (group.candidates.size() == 1) {
-      emit_one_candidate(region, group);
-    } else {
-      emit_candidate_loop(region, group, record);
-    }
+    emit_candidate_loop(region, group, record);
     if (group.box_from_object) close();
     close();
   }
 
-  void emit_one_candidate(Id<Region> region, const CandidateGroup& group) {
+  /// The call stands in no condition: a chain of objects, each in the one before, is as deep as one.
+  void emit_one_candidate(Id<Region> region, const CandidateGroup& group, const std::string& asked) {
     const Candidate& candidate = group.candidates.front();
+    open("");
+    std::string enter = asked;
+    const auto also = [&](const std::string& condition) { enter += (enter.empty() ? "" : " && ") + condition; };
+    if (group.box_from_object) {
+      line("vec3 b = {};", affine_expression(*group.box_from_object, "p", options_.fold_affine));
+      also("in_cube(b)");
+    }
     const std::string q = affine_expression(candidate.local_from_parent, "p", options_.fold_affine);
     line(candidate.tiled ? "vec3 q = wrap_cube({});" : "vec3 q = {};", q);
-    if (candidate.tiled) {
-      line("{};", call(candidate.object, "q", "level + 1u"));
-    } else {
-      line("if (in_cube(q)) {};", call(candidate.object, "q", "level + 1u"));
-    }
-    line("if (hit_number != 0u) came_through({}u, {}u, level);", fmt::format("{}", region.index),
+    if (!candidate.tiled) also("in_cube(q)");
+    line("bool enter = {};", enter.empty() ? "true" : enter);
+    line("{};", call(candidate.object, "q", "level + 1u", "enter"));
+    line("if (enter && hit_number != 0u) came_through({}u, {}u, level);", fmt::format("{}", region.index),
          fmt::format("{}", group.first_number));
+    close();
   }
 
   void emit_candidate_loop(Id<Region> region, const CandidateGroup& group, const gpu::GroupRecord& record) {
@@ -593,17 +698,18 @@ class Generator {
     if (one_region) {
       const Region& region = at(module_.regions, regions.front());
       if (region.number == 0) return;
-      line("{}answer({}u, {}u, p, level);", may_be_found ? "if (hit_number == 0u) " : "",
+      const std::string condition = guarded(may_be_found ? "hit_number == 0u" : "");
+      line("{}answer({}u, {}u, p, level);", condition.empty() ? "" : "if (" + condition + ") ",
            fmt::format("{}", regions.front().index), fmt::format("{}", region.number));
       return;
     }
-    std::string number = "0u";  // a chain of choices: numbers need not follow the order of the regions
-    for (auto region = regions.rbegin(); region != regions.rend(); ++region) {
-      const std::uint32_t n = at(module_.regions, *region).number;
-      number = region == regions.rbegin() ? fmt::format("{}u", n) : fmt::format("region == {}u ? {}u : {}", region->index, n, number);
+    line("uint number = 0u;");  // numbers need not follow the order of the regions; choices within choices would nest
+    for (const Id<Region> region : regions) {
+      const std::uint32_t n = at(module_.regions, region).number;
+      if (n != 0) line("if (region == {}u) number = {}u;", fmt::format("{}", region.index), fmt::format("{}", n));
     }
-    line("uint number = {};", number);
-    line("if ({}number != 0u) answer(region, number, p, level);", may_be_found ? "hit_number == 0u && " : "");
+    line("if ({}) answer(region, number, p, level);",
+         guarded(may_be_found ? "hit_number == 0u && number != 0u" : "number != 0u"));
   }
 
   // ---- colours ----
@@ -679,6 +785,8 @@ class Generator {
   std::vector<std::vector<std::vector<Id<Object>>>> calls_;  // of each region and group: the different objects
   std::vector<bool> cut_;
   std::vector<bool> too_deep_;  // of these, for their nesting
+  std::vector<bool> guarded_;   // objects whose function has a guard
+  std::string guard_;           // of the function that is being written; "" if it has none
   std::vector<bool> needed_;
   std::uint32_t function_nesting_ = 0;
   std::set<Id<Sdf>> emitted_;

@@ -48,7 +48,8 @@ enum class Filter : std::uint8_t {
 struct Buffer {
   std::string name;
   std::uint32_t binding;
-  std::vector<std::byte> bytes;  ///< never empty
+  std::vector<std::byte> bytes;  ///< never empty: one record of zeros where there is none
+  std::size_t count = 0;         ///< records
 };
 
 /// A 3D texture of descriptor set 0 (combined image sampler, linear, clamped to the edge, no mipmaps).
@@ -120,7 +121,6 @@ struct Program {
   std::uint32_t depth = 1;                         ///< most steps a path can have
   std::vector<TimeFunction> time_functions;        ///< empty in a static scene: then there is no time in its shader
   Statistics statistics;
-  std::string records_text;  ///< all records as text, for `--dump records`
 
   const std::vector<std::uint32_t>& code(Kernel kernel) const { return spirv[static_cast<std::size_t>(kernel)]; }
 };

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "compiler/flatten.h"
 #include "tests/support/scene_table.h"
 
 using namespace dmvv;
@@ -54,7 +55,7 @@ TEST_CASE("dumps of small scenes") {
       const auto program = tests::compiled(module, options);
       const std::string form = codegen == compiler::Codegen::table ? ".table" : ".specialised";
       check_golden(file + form + ".glsl", scene_part(program.glsl[1]));
-      if (codegen == compiler::Codegen::table) check_golden(file + ".records.txt", program.records_text);
+      if (codegen == compiler::Codegen::table) check_golden(file + ".records.txt", compiler::records_text(program));
     }
   }
 }

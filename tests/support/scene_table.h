@@ -26,6 +26,34 @@ inline std::string vector_lines(Random& random, int count, double lo, double hi)
   return text;
 }
 
+/// Shells around the origin, one decision within the other, left and right of x = 0 by turns, so that no two ways through
+/// the tree are alike. Each third region embeds a cell, alone or in a box, tiled or once, itself or in one that is empty.
+inline std::string deep_tree_scene(int decisions) {
+  std::string definitions, tree = "<REGION name='R0'/>";
+  const auto region = [&](int i) {
+    const char* const inner[] = {"", "<EMBEDDED name='CELL' scale='0.3 0.3 0.3' translate='0.1 0 0'/>", "",
+                                 "<EMBEDDED name='CELL' scale='0.2 0.2 0.2' type='tiling'/>", "",
+                                 "<INDEX size='1 1 1' translate='0.2 0 0' scale='0.5 0.5 0.5'><EMBEDDED name='PAIR' scale='0.6 0.6 0.6'/></INDEX>"
+                                 "<EMBEDDED name='CELL' scale='0.9 0.9 0.9'/>"};
+    definitions += fmt::format("<REGION name='R{}' type='{}'{}>{}</REGION>", i, i % 4 == 3 ? "empty" : "color",
+                               i % 4 == 3 ? "" : fmt::format(" rgb='{:.3f} 0.3 0.7'", i / 100.0), inner[i % 6]);
+  };
+  region(0);
+  for (int i = 1; i <= decisions; ++i) {
+    region(i);
+    const double radius = 1.6 * i / (decisions + 1.0);
+    definitions += fmt::format("<SDF name='S{0}' function='true'>return length(p) - {1:.5f} + 0.02 * p.{2};</SDF>", i, radius,
+                               i % 2 == 0 ? 'x' : 'y');
+    tree = fmt::format("<SDF name='S{0}'><POSITIVE><REGION name='R{0}'/></POSITIVE><NEGATIVE>{1}</NEGATIVE></SDF>", i, tree);
+  }
+  return "<MVV><OBJECT name='CELL'><SDF name='WALL' file='ball.lxn'/><REGION name='NONE' type='empty'/>"
+         "<REGION name='PLASMA' type='color' rgb='0 1 0'/><MAPPINGS name='CELL'><SDF name='WALL'><POSITIVE><REGION name='NONE'/>"
+         "</POSITIVE><NEGATIVE><REGION name='PLASMA'/></NEGATIVE></SDF></MAPPINGS></OBJECT>"
+         "<OBJECT name='PAIR'><REGION name='LUMEN' type='empty'><EMBEDDED name='CELL' scale='0.5 0.5 0.5' translate='0.5 0 0'/>"
+         "<INDEX size='1 1 1' scale='0.7 0.7 0.7'><EMBEDDED name='CELL' scale='0.4 0.4 0.4' translate='-0.5 0 0'/></INDEX></REGION></OBJECT>"
+         "<OBJECT name='SHELLS'>" + definitions + "<MAPPINGS name='SHELLS'>" + tree + "</MAPPINGS></OBJECT></MVV>";
+}
+
 /// A chain of `levels` objects, each embedding the next at `scale`, off centre, with a boundary of its own.
 inline std::string chain_scene(int levels, double scale) {
   std::string text = "<MVV>\n";
@@ -129,6 +157,7 @@ inline std::vector<SceneCase> make_conformance_scenes() {
        "rotateFile='r.txt' scaleFile='s.txt'/></REGION></OBJECT></MVV>", seeds});
   scenes.push_back({"chain of 6", chain_scene(6, 0.7), {{"ball.lxn", ball}}});
   scenes.push_back({"chain of 20", chain_scene(20, 0.9), {{"ball.lxn", ball}}});
+  scenes.push_back({"a tree of 24 decisions", deep_tree_scene(24), {{"ball.lxn", ball}}});
   scenes.push_back(
       {"two levels, second comes back empty",
        "<MVV>" + cell +

@@ -12,7 +12,9 @@ void object_0(vec3 p, uint level) {
   } else {
     region = 0u;  // OUT
   }
-  uint number = region == 0u ? 2u : 1u;
+  uint number = 0u;
+  if (region == 0u) number = 2u;
+  if (region == 1u) number = 1u;
   if (number != 0u) answer(region, number, p, level);
 }
 

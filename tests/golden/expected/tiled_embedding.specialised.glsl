@@ -11,30 +11,33 @@ bool negative_1(vec3 p) {
 }
 
 // CELL
-void object_1(vec3 p, uint level) {
-  uint region;
-  if (negative_0(p)) {
-    if (negative_1(p)) {
-      region = 3u;  // CORE
+void object_1(vec3 p, uint level, bool entered) {
+  uint region = DMVV_NO_REGION;
+  if (entered) {
+    if (negative_0(p)) {
+      if (negative_1(p)) {
+        region = 3u;  // CORE
+      } else {
+        region = 2u;  // PLASMA
+      }
     } else {
-      region = 2u;  // PLASMA
+      region = 1u;  // NONE
     }
-  } else {
-    region = 1u;  // NONE
   }
-  uint number = region == 1u ? 0u : region == 2u ? 1u : 2u;
-  if (number != 0u) answer(region, number, p, level);
+  uint number = 0u;
+  if (region == 2u) number = 1u;
+  if (region == 3u) number = 2u;
+  if (entered && number != 0u) answer(region, number, p, level);
 }
 
 // TISSUE
 void object_0(vec3 p, uint level) {
+  // MATRIX: 1 candidates
   {
-    // MATRIX: 1 candidates
-    if (hit_number == 0u) {
-      vec3 q = wrap_cube(mat3(4.3301272, 0.0, 2.5, 0.0, 3.3333333, 0.0, -2.5, 0.0, 4.3301272) * p);
-      object_1(q, level + 1u);
-      if (hit_number != 0u) came_through(0u, 0u, level);
-    }
+    vec3 q = wrap_cube(mat3(4.3301272, 0.0, 2.5, 0.0, 3.3333333, 0.0, -2.5, 0.0, 4.3301272) * p);
+    bool enter = true;
+    object_1(q, level + 1u, enter);
+    if (enter && hit_number != 0u) came_through(0u, 0u, level);
   }
   if (hit_number == 0u) answer(0u, 3u, p, level);
 }

@@ -11,53 +11,54 @@ bool negative_1(vec3 p) {
 }
 
 // CELL
-void object_2(vec3 p, uint level) {
-  uint region;
-  if (negative_0(p)) {
-    if (negative_1(p)) {
-      region = 4u;  // CORE
+void object_2(vec3 p, uint level, bool entered) {
+  uint region = DMVV_NO_REGION;
+  if (entered) {
+    if (negative_0(p)) {
+      if (negative_1(p)) {
+        region = 4u;  // CORE
+      } else {
+        region = 3u;  // PLASMA
+      }
     } else {
-      region = 3u;  // PLASMA
+      region = 2u;  // NONE
     }
-  } else {
-    region = 2u;  // NONE
   }
-  uint number = region == 2u ? 0u : region == 3u ? 1u : 2u;
-  if (number != 0u) answer(region, number, p, level);
+  uint number = 0u;
+  if (region == 3u) number = 1u;
+  if (region == 4u) number = 2u;
+  if (entered && number != 0u) answer(region, number, p, level);
 }
 
 // TUBE
 void object_1(vec3 p, uint level) {
+  // LUMEN: 1 candidates
   {
-    // LUMEN: 1 candidates
-    if (hit_number == 0u) {
-      vec3 q = p * vec3(2.0);
-      if (in_cube(q)) object_2(q, level + 1u);
-      if (hit_number != 0u) came_through(1u, 0u, level);
-    }
+    vec3 q = p * vec3(2.0);
+    bool enter = in_cube(q);
+    object_2(q, level + 1u, enter);
+    if (enter && hit_number != 0u) came_through(1u, 0u, level);
   }
 }
 
 // ROOT
 void object_0(vec3 p, uint level) {
+  // BASE: 2 candidates
   {
-    // BASE: 2 candidates
-    if (hit_number == 0u) {
-      uvec2 range = find_cell(p, vec3(-0.90000033), vec3(0.55555534), uvec3(1u, 1u, 1u), 0u);
-      uint asked = 0u;
-      for (uint i = range.x; i < range.y && hit_number == 0u; ++i) {
-        ++asked;
-        uint c = lists[i];
-        vec3 q = apply(placements[2u + c].local_from_object, p);
-        if (in_cube(q)) {
-          uint object = placements[2u + c].object;
-          if (object == 1u) object_1(q, level + 1u);
-          if (object == 2u) object_2(q, level + 1u);
-          if (hit_number != 0u) came_through(0u, c, level);
-        }
+    uvec2 range = find_cell(p, vec3(-0.90000033), vec3(0.55555534), uvec3(1u, 1u, 1u), 0u);
+    uint asked = 0u;
+    for (uint i = range.x; i < range.y && hit_number == 0u; ++i) {
+      ++asked;
+      uint c = lists[i];
+      vec3 q = apply(placements[2u + c].local_from_object, p);
+      if (in_cube(q)) {
+        uint object = placements[2u + c].object;
+        if (object == 1u) object_1(q, level + 1u);
+        if (object == 2u) object_2(q, level + 1u, true);
+        if (hit_number != 0u) came_through(0u, c, level);
       }
-      hit_unfinished = hit_unfinished || (hit_number == 0u && asked != range.y - range.x);
     }
+    hit_unfinished = hit_unfinished || (hit_number == 0u && asked != range.y - range.x);
   }
   if (hit_number == 0u) answer(0u, 3u, p, level);
 }

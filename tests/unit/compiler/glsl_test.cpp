@@ -1,3 +1,4 @@
+#include "compiler/flatten.h"
 #include "compiler/generate_glsl.h"
 
 #include <doctest/doctest.h>
@@ -92,6 +93,27 @@ TEST_CASE("beyond the budget objects are cut, at last the root") {
   CHECK(has(tests::compiled(module, options).statistics.object_codegen.front(), "L0: table"));
 }
 
+TEST_CASE("neither long trees nor chains of objects nest: both stay specialised") {
+  const std::map<std::string, std::string> ball{{"ball.lxn", tests::sphere_lxn(8, 0.8)}};
+  const auto deepest_nesting = [](const std::string& glsl) {
+    int depth = 0, deepest = 0;
+    for (const char c : glsl) {
+      depth += c == '{' ? 1 : c == '}' ? -1 : 0;
+      deepest = std::max(deepest, depth);
+    }
+    return deepest;
+  };
+  const auto specialised = [&](const std::string& text) {
+    CompileOptions options;
+    options.inlined_line_budget = 4000;
+    const auto program = tests::compiled(tests::lowered(text, ball), options);
+    for (const std::string& object : program.statistics.object_codegen) CHECK(has(object, ": specialised"));
+    return deepest_nesting(pixels(program));
+  };
+  CHECK(specialised(tests::chain_scene(12, 0.9)) == specialised(tests::chain_scene(3, 0.9)));
+  CHECK(specialised(tests::deep_tree_scene(64)) == specialised(tests::deep_tree_scene(17)));
+}
+
 TEST_CASE("a diamond of objects does not grow exponentially") {
   std::string text = "<MVV><OBJECT name='D0'><REGION name='R' type='color' rgb='1 0 0'/></OBJECT>";
   for (int i = 1; i <= 30; ++i) {
@@ -113,7 +135,7 @@ TEST_CASE("the same scene gives the same bytes") {
     CHECK(a.glsl[0] == b.glsl[0]);
     CHECK(a.glsl[1] == b.glsl[1]);
     CHECK(a.spirv[1] == b.spirv[1]);
-    CHECK(a.records_text == b.records_text);
+    CHECK(compiler::records_text(a) == compiler::records_text(b));
   }
 }
 
