@@ -67,6 +67,7 @@ int main_function(int count, char** words) {
   app.require_subcommand(1);
   add_new(app, invocation);
   add_check(app, invocation);
+  add_fmt(app, invocation);
   add_render(app, invocation);
   add_animate(app, invocation);
   add_probe(app, invocation);
