@@ -344,7 +344,7 @@ void add_seeds(CLI::App& app, Invocation& invocation) {
   command.footer(
       "The molecule fills the standard cube; 0.9 in a seed's cube is the van der Waals radius. Of several models, and\n"
       "of the alternate locations of a residue, the first is taken.\n"
-      "A table's first row names its columns: x y z; a rotation as qw qx qy qz, as rx ry rz (degrees, Rz Ry Rx) or as\n"
+      "A table's first row names its columns: x y z; a rotation as qw qx qy qz, as some of rx ry rz (degrees, Rz Ry Rx) or as\n"
       "m00 to m22 (row, column; from m11 to m33 too); scale or sx sy sz; kind. Others are left out. '#' begins a "
       "comment.\n"
       "Examples: dmvv seeds 2hhb.pdb -o haemoglobin --voml\n"

@@ -55,6 +55,8 @@ TEST_CASE("wrong usage: exit code 2, one message, nothing on the standard output
       {with(render, {"--camera", "look 0 0 0"}), {"--camera", "eye"}},
       {with(render, {"--cut", "0 0 0 1"}), {"--cut"}},
       {with(render, {"--cut", "1 0 0"}), {"--cut"}},
+      {with(render, {"--cut", "0", "0", "1", "0"}), {"not expected", "stand in quotes"}},
+      {{"probe", scene, "--point", "0", "0.5", "-1e-3"}, {"not expected", "stand in quotes"}},
       {with(render, {"--slice", "w=1"}), {"--slice"}},
       {with(render, {"--slice", "z=0", "--cut", "1 0 0 0"}), {"--slice", "--cut"}},
       {with(render, {"--shading", "phong"}), {"--shading", "phong", "none", "lit"}},
