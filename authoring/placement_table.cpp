@@ -159,8 +159,8 @@ class TableReader {
         refuse(Code::table_columns, in_file ? fields[i] : line, fmt::format("the column '{}' stands twice", names[i]));
       column = i;
     }
-    const bool matrix = group(m00, 9, line), quaternion = group(qw, 4, line), euler = group(rx, 3, line),
-               three_scales = group(sx, 3, line);
+    const bool matrix = group(m00, 9, line), quaternion = group(qw, 4, line), three_scales = group(sx, 3, line);
+    const bool euler = columns_[rx] != absent || columns_[ry] != absent || columns_[rz] != absent;
     if (!group(x, 3, line))
       refuse(Code::table_columns, line,
              "the table has no columns x, y and z; name them in a first row, or by --columns");
@@ -196,6 +196,7 @@ class TableReader {
     }
     bool good = true;
     const auto value = [&](std::size_t column) {
+      if (columns_[column] == absent) return 0.0;  // an angle
       const std::string_view field = fields[columns_[column]];
       const auto number = voml::parse_number(field);
       if (const double* const v = std::get_if<double>(&number)) return *v;

@@ -9,6 +9,7 @@ namespace dmvv::cli {
 
 void add_new(CLI::App& app, Invocation& invocation);
 void add_check(CLI::App& app, Invocation& invocation);
+void add_fmt(CLI::App& app, Invocation& invocation);
 void add_render(CLI::App& app, Invocation& invocation);
 void add_animate(CLI::App& app, Invocation& invocation);
 void add_probe(CLI::App& app, Invocation& invocation);

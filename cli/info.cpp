@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/App.hpp>
+#include <algorithm>
 #include <cctype>
 #include <map>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "cli/commands.h"
 #include "cli/grid_statistics.h"
 #include "cli/options.h"
+#include "compiler/inventory.h"
 #include "voml/grid.h"
 #include "voml/image_file.h"
 
@@ -19,6 +21,7 @@ namespace {
 
 struct InfoOptions {
   SceneOptions file;  ///< of any kind
+  CodegenChoice codegen;
 };
 
 std::string text(const glm::dvec3& v) { return fmt::format("({:.6g} {:.6g} {:.6g})", v.x, v.y, v.z); }
@@ -45,10 +48,11 @@ std::string grid_text(const std::string& path, const voml::Grid& grid, std::size
 
 // ---- scenes ----
 
-/// The objects of a scene as an indented tree. An object that stands in it twice is spelled out once.
+/// The objects of a scene as an indented tree, with what compiling made of each if it could be compiled. An object that
+/// stands in it twice is spelled out once.
 class SceneTree {
  public:
-  explicit SceneTree(const voml::Scene& scene) : scene_(scene) {}
+  SceneTree(const voml::Scene& scene, const compiler::Inventory* inventory) : scene_(scene), inventory_(inventory) {}
 
   std::string print() {
     print_object(scene_.root, "", 0);
@@ -96,7 +100,43 @@ class SceneTree {
         again ? "as above\n"
               : fmt::format("{}, {}\n", plural(inside.decisions, "decision"), plural(inside.regions.size(), "region"));
     if (again) return;
+    if (inventory_) print_compiled(id, depth + 1);
     for (const Id<voml::Region> region : inside.regions) print_embedded(at(scene_.regions, region), depth + 1);
+  }
+
+  const compiler::ObjectInventory* compiled(Id<voml::Object> id) const {
+    const auto found =
+        std::ranges::find(inventory_->objects, at(scene_.objects, id).name, &compiler::ObjectInventory::name);
+    return found == inventory_->objects.end() ? nullptr : &*found;
+  }
+
+  void print_compiled(Id<voml::Object> id, std::size_t depth) {
+    const auto line = [&](std::string_view what, const std::string& words) {
+      text_ += fmt::format("{:{}}{:<7} {}\n", "", 2 + 2 * depth, what, words);
+    };
+    const compiler::ObjectInventory* object = compiled(id);
+    if (!object) return line("code", "left out: no path reaches it");
+    line("code", object->codegen);
+    line("moves", !object->moving_sdfs.empty() ? fmt::format("{}", fmt::join(object->moving_sdfs, ", "))
+                  : moves(id)                  ? "what it embeds"
+                                               : "no");
+    const std::string texels =
+        object->texels == 0 ? "no texels" : fmt::format("{} texels in {}", object->texels, memory(object->texel_bytes));
+    line("memory", fmt::format("{} of records for {}; {}", memory(object->record_bytes),
+                               plural(object->placements, "placement"), texels));
+  }
+
+  /// Whether anything in the object depends on t.
+  bool moves(Id<voml::Object> id) {
+    if (const auto known = moves_.find(id); known != moves_.end()) return known->second;
+    const compiler::ObjectInventory* object = compiled(id);
+    bool any = object && !object->moving_sdfs.empty();
+    for (const Id<voml::Region> region : content(id).regions) {
+      for (const voml::EmbeddingGroup& group : at(scene_.regions, region).groups) {
+        for (const voml::Embedded& embedded : group.embedded) any = moves(embedded.object) || any;
+      }
+    }
+    return moves_[id] = any;
   }
 
   void print_embedded(const voml::Region& region, std::size_t depth) {
@@ -114,8 +154,10 @@ class SceneTree {
   }
 
   const voml::Scene& scene_;
+  const compiler::Inventory* inventory_;  // null: the scene cannot be compiled
   std::string text_;
   std::set<Id<voml::Object>> printed_;
+  std::map<Id<voml::Object>, bool> moves_;
 };
 
 std::string assets_text(const voml::Scene& scene) {
@@ -151,16 +193,50 @@ std::string module_text(const compiler::Module& module) {
                      plural(candidates, "embedded candidate"), plural(seeds, "SDF seed"), module.depth);
 }
 
-int info_scene(const SceneOptions& options, Context& context) {
-  Diagnostics diagnostics(options.strict);
-  voml::Scene scene = read_scene(options, context, diagnostics);
+/// What the passes found, and what is uploaded.
+std::string program_text(const compiler::Inventory& inventory, std::uint32_t line_budget) {
+  std::string text = "passes\n";
+  const auto line = [&](std::string_view what, const std::string& words) {
+    text += fmt::format("  {:<16} {}\n", what, words);
+  };
+  for (const compiler::PassEffect& pass : inventory.passes) line(pass.pass, pass.effect);
+  text += "program\n";
+  const compiler::Program& program = inventory.program;
+  const compiler::Statistics& s = program.statistics;
+  const bool specialised = program.codegen == compiler::Codegen::specialised;
+  line("code", fmt::format("{} lines of GLSL{}", s.glsl_lines,
+                           specialised ? fmt::format("; {} when inlined, {} allowed", s.inlined_lines, line_budget) : ""));
+  std::size_t values = 0;
+  for (const compiler::TimeFunction& f : program.time_functions) values += f.snippet.time_value_count();
+  line("time", program.time_functions.empty() ? "none: the scene is static" : plural(values, "value") + " a frame");
+  std::vector<std::string> parts;
+  for (const compiler::Buffer& b : program.buffers) parts.push_back(b.name + ' ' + memory(b.bytes.size()));
+  line("buffers", memory(s.buffer_bytes) + (parts.empty() ? "" : fmt::format(": {}", fmt::join(parts, ", "))));
+  for (const compiler::Texture& t : program.textures) {
+    line(t.name, fmt::format("{} x {} x {}, {}{}", t.extent.x, t.extent.y, t.extent.z, memory(t.texels.size()),
+                             t.name == "grid_atlas" ? fmt::format(", {:.0f} % in use", 100.0 * s.atlas_fill) : ""));
+  }
+  return text;
+}
+
+int info_scene(const InfoOptions& options, Context& context) {
+  const compiler::CompileOptions form = compile_options(options.codegen);
+  if (form.codegen == compiler::Codegen::thesis) {
+    fail_usage("--codegen: info knows specialised and table", {"dmvv compile --dump stats tells about thesis"});
+  }
+  Diagnostics diagnostics(options.file.strict);
+  const voml::Scene scene = read_scene(options.file, context, diagnostics);
   // A cycle is refused before the tree is printed: lower first.
-  const compiler::Module module = lower(scene, context, diagnostics);
+  compiler::Module module = lower(scene, context, diagnostics);
+  const std::string counts = module_text(module);
+  const auto inventory = compiler::take_inventory(std::move(module), form, diagnostics);
+  context.stopwatch.lap("compile");
   print_diagnostics(diagnostics, context);
-  print_result(fmt::format("{}: scene (VOML), root {}\n  reaches {}\nobjects\n{}assets\n{}", options.path,
-                           at(scene.objects, scene.root).name, module_text(module), SceneTree(scene).print(),
-                           assets_text(scene)));
-  return exit_done;
+  print_result(fmt::format("{}: scene (VOML), root {}\n  reaches {}\nobjects\n{}assets\n{}{}", options.file.path,
+                           at(scene.objects, scene.root).name, counts,
+                           SceneTree(scene, inventory ? &*inventory : nullptr).print(), assets_text(scene),
+                           inventory ? program_text(*inventory, form.inlined_line_budget) : ""));
+  return inventory ? exit_done : exit_input;
 }
 
 // ---- meshes and pictures ----
@@ -217,7 +293,7 @@ int info(const InfoOptions& options, Context& context) {
     print_result(grid_text(path, *grid, bytes.size()));
     return exit_done;
   }
-  if (has_ending(path, ".voml") || starts_like_xml(bytes)) return info_scene(options.file, context);
+  if (has_ending(path, ".voml") || starts_like_xml(bytes)) return info_scene(options, context);
   for (const std::string_view ending : {".obj", ".ply", ".stl"}) {
     if (has_ending(path, ending)) return info_mesh(path, context);
   }
@@ -233,8 +309,12 @@ void add_info(CLI::App& app, Invocation& invocation) {
       ->required()
       ->type_name("");
   add_root_and_strict(command, options->file);
+  add_codegen_options(command, options->codegen);
   add_common_options(command, invocation.context);
-  command.footer("Example:  dmvv info orange.voml");
+  command.footer(
+      "Of a scene: the tree of objects; the code made for each, and why; which SDFs depend on t; what the passes of\n"
+      "the compiler found; memory of records (buffers) and of texels (distance grids and bitmaps).\n"
+      "Example:  dmvv info orange.voml");
   command.callback(
       [&invocation, options] { invocation.command = [options](Context& context) { return info(*options, context); }; });
 }

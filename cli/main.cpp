@@ -6,8 +6,10 @@
 #include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <new>
+#include <variant>
 
 #include "cli/commands.h"
+#include "voml/text.h"
 
 namespace dmvv::cli {
 namespace {
@@ -36,7 +38,14 @@ int report_usage(const CLI::App& app, const CLI::ParseError& error) {
     const std::vector<std::string> words = app.remaining();
     message = words.empty() ? "no command given" : fmt::format("unknown command '{}'", words.front());
   }
-  print_error({Fault::environment, message, {fmt::format("see {} --help", command)}});
+  std::vector<std::string> ways_out{fmt::format("see {} --help", command)};
+  const auto is_number = [](const std::string& word) {
+    return std::holds_alternative<double>(voml::parse_number(word));
+  };
+  if (!app.get_subcommands().empty() && std::ranges::any_of(app.remaining(true), is_number)) {
+    ways_out.insert(ways_out.begin(), "numbers that belong together stand in quotes, as in --point \"0 0.2 0.1\"");
+  }
+  print_error({Fault::environment, message, ways_out});
   return exit_environment;
 }
 
@@ -67,6 +76,7 @@ int main_function(int count, char** words) {
   app.require_subcommand(1);
   add_new(app, invocation);
   add_check(app, invocation);
+  add_fmt(app, invocation);
   add_render(app, invocation);
   add_animate(app, invocation);
   add_probe(app, invocation);

@@ -64,13 +64,13 @@ constexpr std::string_view starter_scene = R"(<?xml version="1.0" encoding="UTF-
     <REGION name="R.FLESH" type="color" rgb="0.96 0.55 0.45">
       <!-- EMBEDDED: an object put into a region, its cube scaled, then turned (degrees), then moved. The first wins.
            For thousands, seedFile="places.txt" takes the places from a file; an INDEX around them keeps it fast. -->
-      <EMBEDDED name="NAME_STONE" translate="0.38 0 0"         rotate="0 0 0"    scale="0.16 0.16 0.16"/>
-      <EMBEDDED name="NAME_STONE" translate="0.19 0.33 0"      rotate="0 0 60"   scale="0.16 0.16 0.16"/>
-      <EMBEDDED name="NAME_STONE" translate="-0.19 0.33 0"     rotate="0 0 120"  scale="0.16 0.16 0.16"/>
-      <EMBEDDED name="NAME_STONE" translate="-0.38 0 0"        rotate="0 0 180"  scale="0.16 0.16 0.16"/>
-      <EMBEDDED name="NAME_STONE" translate="-0.19 -0.33 0"    rotate="0 0 240"  scale="0.16 0.16 0.16"/>
-      <EMBEDDED name="NAME_STONE" translate="0.19 -0.33 0"     rotate="0 0 300"  scale="0.16 0.16 0.16"/>
-      <EMBEDDED name="NAME_STONE" translate="0 0 -0.38"        rotate="0 90 0"   scale="0.16 0.16 0.16"/>
+      <EMBEDDED name="NAME_STONE" translate="0.38 0 0" rotate="0 0 0" scale="0.16 0.16 0.16"/>
+      <EMBEDDED name="NAME_STONE" translate="0.19 0.33 0" rotate="0 0 60" scale="0.16 0.16 0.16"/>
+      <EMBEDDED name="NAME_STONE" translate="-0.19 0.33 0" rotate="0 0 120" scale="0.16 0.16 0.16"/>
+      <EMBEDDED name="NAME_STONE" translate="-0.38 0 0" rotate="0 0 180" scale="0.16 0.16 0.16"/>
+      <EMBEDDED name="NAME_STONE" translate="-0.19 -0.33 0" rotate="0 0 240" scale="0.16 0.16 0.16"/>
+      <EMBEDDED name="NAME_STONE" translate="0.19 -0.33 0" rotate="0 0 300" scale="0.16 0.16 0.16"/>
+      <EMBEDDED name="NAME_STONE" translate="0 0 -0.38" rotate="0 90 0" scale="0.16 0.16 0.16"/>
     </REGION>
     <MAPPINGS name="NAME">
       <SDF name="SURFACE">

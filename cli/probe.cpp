@@ -9,6 +9,7 @@
 #include <span>
 
 #include "cli/commands.h"
+#include "cli/explain.h"
 #include "cli/options.h"
 #include "compiler/reference.h"
 #include "voml/grid.h"
@@ -25,6 +26,7 @@ struct ProbeOptions {
   std::vector<std::string> points;
   std::string backend = "reference";
   bool json = false;
+  bool explain = false;
 };
 
 std::vector<glm::dvec3> parse_points(const std::string& name, std::string text, int exit_code, Context& context) {
@@ -90,6 +92,22 @@ void print_answers(std::span<const glm::dvec3> points, std::span<const compiler:
   print_result(text);
 }
 
+/// Each answer, as without --explain, and how it came about.
+void print_explanations(const compiler::Module& module, const compiler::Reference& reference, compiler::Filter filter,
+                        const ProbeOptions& options, std::span<const glm::dvec3> points) {
+  const std::vector<compiler::RegionInfo> regions = compiler::legend(module);
+  for (const glm::dvec3& p : points) {
+    const compiler::Explanation explanation = compiler::explain(module, reference, filter, p, options.time_ms);
+    if (options.json) {
+      std::string line = json_line(p, explanation.answer, regions);
+      line.resize(line.size() - 2);  // "}\n"
+      print_result(line + ',' + explanation_json(module, explanation) + "}\n");
+    } else {
+      print_result(plain_line(p, explanation.answer, regions) + explanation_text(module, explanation));
+    }
+  }
+}
+
 int probe_reference(const ProbeOptions& options, std::span<const glm::dvec3> points, Context& context) {
   Diagnostics diagnostics(options.scene.strict);
   const compiler::Module module = lower(read_scene(options.scene, context, diagnostics), context, diagnostics);
@@ -98,6 +116,11 @@ int probe_reference(const ProbeOptions& options, std::span<const glm::dvec3> poi
   compiler::Reference::Options reading;
   reading.filter = compile_options(options.codegen).filter;
   const compiler::Reference reference(module, reading);
+  if (options.explain) {
+    print_explanations(module, reference, reading.filter, options, points);
+    context.stopwatch.lap("explain");
+    return exit_done;
+  }
   std::vector<compiler::PointAnswer> answers;
   answers.reserve(points.size());
   for (const glm::dvec3& p : points) answers.push_back(reference.evaluate(p, options.time_ms));
@@ -129,6 +152,9 @@ int probe(const ProbeOptions& options, Context& context) {
   if (options.backend != "reference" && options.backend != "vulkan") {
     fail_usage(fmt::format("--backend: unknown backend '{}'", options.backend), {"use reference or vulkan"});
   }
+  if (options.explain && options.backend != "reference") {
+    fail_usage("--explain: only the reference knows how it came to its answer", {"leave --backend out"});
+  }
   compile_options(options.codegen);  // refuses wrong usage on either backend
   const std::vector<glm::dvec3> points = read_points(options, context);
   const auto run = options.backend == "vulkan" ? probe_vulkan : probe_reference;
@@ -153,11 +179,16 @@ void add_probe(CLI::App& app, Invocation& invocation) {
                   "reference (default; double precision, on the CPU) or vulkan (the generated shader)")
       ->type_name("NAME");
   command.add_flag("--json", options->json, "One JSON object a line: p, path, region, rgb");
+  command.add_flag("--explain", options->explain,
+                   "Also tell what was asked on the way: every decision with its value and side, every candidate, down to "
+                   "the region, and how near another outcome is");
   add_time_option(command, options->time_ms);
   add_codegen_options(command, options->codegen);
   add_device_options(command, options->device);
   add_common_options(command, invocation.context);
-  command.footer("Example:  echo \"0 0.2 0.1\" | dmvv probe orange.voml --points - --json");
+  command.footer(
+      "Examples: echo \"0 0.2 0.1\" | dmvv probe orange.voml --points - --json\n"
+      "          dmvv probe orange.voml --point \"0.3 0 0.2\" --explain");
   command.callback([&invocation, options] {
     invocation.command = [options](Context& context) { return probe(*options, context); };
   });

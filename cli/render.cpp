@@ -92,6 +92,19 @@ void write(Outputs& outputs, const RenderOptions& options, const AovPaths& aovs,
   outputs.commit();
 }
 
+/// A newcomer's puzzle: an object whose surface lies inside of the mesh leaves nothing on the mesh to be seen.
+void warn_of_nothing(const runtime::Picture& picture, const ViewOptions& view, const Context& context) {
+  if (context.quiet) return;
+  for (std::size_t alpha = 3; alpha < picture.rgba.size(); alpha += 4) {
+    if (picture.rgba[alpha] != 0.0f) return;
+  }
+  const std::string_view where = view.slice.empty()
+                                     ? "the scene is empty wherever the mesh's surface is seen; to look inside, cut it "
+                                       "(--cut \"0 0 1 0\") or draw a section (--slice z=0)"
+                                     : "the scene is empty on this section";
+  print_warning(fmt::format("nothing to see: {}", where));
+}
+
 int render(const RenderOptions& options, Context& context) {
   // Everything that can be refused without the scene comes first.
   runtime::View view = parse_view(options.view);
@@ -120,6 +133,7 @@ int render(const RenderOptions& options, Context& context) {
   context.stopwatch.lap(timings, "other");
 
   warn_of_open_edges(picture.open_edges, options.view, context);
+  warn_of_nothing(picture, options.view, context);
   if (const int exit_code = exit_code_of(device.validation_messages()); exit_code != exit_done) return exit_code;
   write(outputs, options, aovs, picture, program.regions);
   context.stopwatch.lap("encode");

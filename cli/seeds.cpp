@@ -14,6 +14,7 @@
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "cli/outputs.h"
+#include "voml/format.h"
 #include "voml/text.h"
 
 namespace dmvv::cli {
@@ -66,14 +67,23 @@ void write_placements(Outputs& outputs, const std::string& name, const authoring
   write(outputs, name + "_scale.txt", files.scales);
 }
 
+/// Writes a scene in its canonical layout.
+void write_laid_out(Outputs& outputs, const std::string& path, std::string scene) {
+  Diagnostics diagnostics;
+  const SourceId source = diagnostics.add_source(path, std::move(scene));
+  const auto formatted = voml::format_document(source, diagnostics);
+  if (!formatted) throw std::logic_error("the scene is malformed: " + diagnostics.render());
+  outputs.write_bytes(path, *formatted);
+}
+
 /// Writes the scene of the objects, if it is asked for, and puts every output in its place. `what` of the input it shows.
 void write_scene(Outputs& outputs, const SeedsOptions& options, std::span<const authoring::PlacedObject> objects,
                  std::string_view what, Context& context) {
   context.stopwatch.lap("seeds");
   if (options.scene) {
-    outputs.write_bytes(options.prefix + ".voml",
-                        authoring::placed_scene(objects, file_name(options.prefix),
-                                                fmt::format("{} of {}", what, file_name(options.input))));
+    write_laid_out(outputs, options.prefix + ".voml",
+                   authoring::placed_scene(objects, file_name(options.prefix),
+                                           fmt::format("{} of {}", what, file_name(options.input))));
   }
   outputs.commit();
   context.stopwatch.lap("write");
@@ -268,7 +278,7 @@ int molecule_seeds(const SeedsOptions& options, Context& context) {
     write(outputs, name + "_scale.txt", element.scales);
   }
   if (options.scene) {
-    outputs.write_bytes(scene, authoring::molecule_scene(elements, stem, file_name(options.input)));
+    write_laid_out(outputs, scene, authoring::molecule_scene(elements, stem, file_name(options.input)));
   }
   outputs.commit();
   context.stopwatch.lap("write");
@@ -334,7 +344,7 @@ void add_seeds(CLI::App& app, Invocation& invocation) {
   command.footer(
       "The molecule fills the standard cube; 0.9 in a seed's cube is the van der Waals radius. Of several models, and\n"
       "of the alternate locations of a residue, the first is taken.\n"
-      "A table's first row names its columns: x y z; a rotation as qw qx qy qz, as rx ry rz (degrees, Rz Ry Rx) or as\n"
+      "A table's first row names its columns: x y z; a rotation as qw qx qy qz, as some of rx ry rz (degrees, Rz Ry Rx) or as\n"
       "m00 to m22 (row, column; from m11 to m33 too); scale or sx sy sz; kind. Others are left out. '#' begins a "
       "comment.\n"
       "Examples: dmvv seeds 2hhb.pdb -o haemoglobin --voml\n"

@@ -21,6 +21,19 @@ std::string glsl_float(float value) {
   return text;
 }
 
+bool is_diagonal(const Affine& a) {
+  const glm::dmat3& m = a.linear;
+  return m[0].y == 0 && m[0].z == 0 && m[1].x == 0 && m[1].z == 0 && m[2].x == 0 && m[2].y == 0;
+}
+
+bool cube_maps_into(const Affine& affine, const LocalBox& box) {
+  const glm::dvec3 half = glm::abs(affine.linear[0]) + glm::abs(affine.linear[1]) + glm::abs(affine.linear[2]);
+  const bool exact = affine == Affine{};  // the identity is not even computed
+  const glm::dvec3 reach = half + (exact ? glm::dvec3(0.0) : float_error(affine, glm::dvec3(1.0)));
+  return glm::all(glm::greaterThanEqual(affine.translation - reach, box.lo)) &&
+         glm::all(glm::lessThanEqual(affine.translation + reach, box.hi));
+}
+
 namespace {
 
 // Lines that the parts of a shader take after inlining; counted on generated text.
@@ -50,11 +63,6 @@ std::string vec3_literal(const glm::dvec3& v) {
   return fmt::format("vec3({}, {}, {})", glsl_float(f.x), glsl_float(f.y), glsl_float(f.z));
 }
 
-bool is_diagonal(const Affine& a) {
-  const glm::dmat3& m = a.linear;
-  return m[0].y == 0 && m[0].z == 0 && m[1].x == 0 && m[1].z == 0 && m[2].x == 0 && m[2].y == 0;
-}
-
 glm::dvec3 diagonal(const Affine& a) { return {a.linear[0].x, a.linear[1].y, a.linear[2].z}; }
 
 /// affine(p) as an expression.
@@ -74,15 +82,6 @@ std::string affine_expression(const Affine& affine, const std::string& p, bool f
   }
   if (moves) text += fmt::format(" + {}", vec3_literal(affine.translation));
   return text;
-}
-
-/// Does the image of the standard cube lie in the box, float32 rounding included?
-bool cube_maps_into(const Affine& affine, const LocalBox& box) {
-  const glm::dvec3 half = glm::abs(affine.linear[0]) + glm::abs(affine.linear[1]) + glm::abs(affine.linear[2]);
-  const bool exact = affine == Affine{};  // the identity is not even computed
-  const glm::dvec3 reach = half + (exact ? glm::dvec3(0.0) : float_error(affine, glm::dvec3(1.0)));
-  return glm::all(glm::greaterThanEqual(affine.translation - reach, box.lo)) &&
-         glm::all(glm::lessThanEqual(affine.translation + reach, box.hi));
 }
 
 /// Lines that are not blank or comments.

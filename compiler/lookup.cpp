@@ -155,9 +155,13 @@ glm::dvec3 float_error(const Affine& affine, const glm::dvec3& reach) {
   return rounding + float_denormal * (abs_times(affine.linear, glm::dvec3(1.0)) + 10.0);
 }
 
-std::span<const std::uint32_t> Lookup::at(const glm::dvec3& p) const {
+glm::uvec3 Lookup::cell_of(const glm::dvec3& p) const {
   const glm::dvec3 u = (p - lo) / (hi - lo) * glm::dvec3(size);
-  const glm::uvec3 c(glm::clamp(glm::floor(u), glm::dvec3(0.0), glm::dvec3(size) - 1.0));
+  return glm::uvec3(glm::clamp(glm::floor(u), glm::dvec3(0.0), glm::dvec3(size) - 1.0));
+}
+
+std::span<const std::uint32_t> Lookup::at(const glm::dvec3& p) const {
+  const glm::uvec3 c = cell_of(p);
   const std::size_t cell = (std::size_t{c.z} * size.y + c.y) * size.x + c.x;
   return std::span(lists).subspan(cells[cell], cells[cell + 1] - cells[cell]);
 }

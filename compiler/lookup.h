@@ -39,6 +39,7 @@ struct Lookup {
   std::vector<std::uint32_t> lists;
   std::uint32_t longest = 0;  ///< most entries in one cell
 
+  glm::uvec3 cell_of(const glm::dvec3& p) const;
   std::span<const std::uint32_t> at(const glm::dvec3& p) const;
 };
 

@@ -6,6 +6,7 @@
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
+#include "compiler/explanation.h"
 #include "compiler/flatten.h"
 #include "compiler/grid_bounds.h"
 #include "compiler/lookup.h"
@@ -26,6 +27,11 @@ constexpr double color_slack = 7e-4;
 struct Tested {
   bool yes;
   bool certain;
+};
+
+/// A source against the iso value.
+struct Below : Tested {
+  double value;
 };
 
 Tested in_box(const Approximate& q, const glm::dvec3& lo, const glm::dvec3& hi) {
@@ -182,14 +188,14 @@ struct Reference::Impl {
   }
 
   /// f(q) <= iso at a local point inside its box.
-  Tested below_iso(const Sdf& sdf, const Approximate& q, double time_ms) const {
+  Below below_iso(const Sdf& sdf, const Approximate& q, double time_ms) const {
     if (const auto* id = std::get_if<Id<Function>>(&sdf.source)) {
       return function_below(at(module.functions, *id).snippet, q, sdf.iso, time_ms);
     }
     return grid_below(std::get<Id<voml::Grid>>(sdf.source), q, sdf.iso);
   }
 
-  Tested grid_below(Id<voml::Grid> id, const Approximate& q, double iso) const {
+  Below grid_below(Id<voml::Grid> id, const Approximate& q, double iso) const {
     const voml::Grid& grid = grid_of(id);
     const bool tricubic = options.filter == Filter::tricubic;
     const double value = tricubic ? sample_tricubic(grid, q.p) : sample(grid, q.p);
@@ -201,39 +207,57 @@ struct Reference::Impl {
     const double roundings = (tricubic ? tricubic_roundings : 8.0) + (is_normalised(options.format) ? 4.0 : 0.0);
     const double error = glm::dot(texel_error, bounds.slope) * (tricubic ? tricubic_slope : 1.0) +
                          roundings * float_unit * (bounds.magnitude + std::abs(iso)) + 1e-30;
-    return {value <= iso, std::abs(value - iso) > error};
+    return {{value <= iso, std::abs(value - iso) > error}, value};
   }
 
   /// Certain if an interval that encloses every float32 evaluation near q lies on one side of iso.
-  static Tested function_below(const snippet::Snippet& f, const Approximate& q, double iso, double time_ms) {
+  static Below function_below(const snippet::Snippet& f, const Approximate& q, double iso, double time_ms) {
     const snippet::Value value = f.evaluate(q.p, time_ms);
     const bool below = value.finished && value.f <= iso;
     const snippet::Interval bounds =
         f.evaluate({q.p - q.error(), q.p + q.error()}, {time_ms, time_ms}, snippet::Rounding::float32);
     const double slack = float_unit * std::abs(iso);
     const bool one_side = below ? bounds.hi <= iso - slack : bounds.lo > iso + slack;
-    return {below, value.finished && !bounds.maybe_nan && one_side};
+    return {{below, value.finished && !bounds.maybe_nan && one_side}, value.f};
   }
 
   /// Below iso at one placement: its box holds the point, and the source is negative there.
-  Tested placed_negative(std::size_t sdf_index, const Affine& affine, const Approximate& p, double time_ms) const {
+  Tested placed_negative(std::size_t sdf_index, const Affine& affine, const Approximate& p, double time_ms,
+                         AskedPlacement* asked) const {
     const Sdf& sdf = module.sdfs[sdf_index];
     Approximate q = apply(affine, p);
     bool certain = true;
     if (sdf.placement == voml::Placement::tiled) certain = wrap(q).certain;
     const Tested held = in_box(q, boxes[sdf_index].lo, boxes[sdf_index].hi);
+    if (asked) {
+      asked->local = q.p;
+      asked->held = held.yes;
+    }
     if (!held.yes && held.certain) return {false, certain};
-    const Tested below = below_iso(sdf, q, time_ms);
+    const Below below = below_iso(sdf, q, time_ms);
+    if (asked) asked->value = below.value;
     if (!held.yes) return {false, certain && below.certain && !below.yes};
     // A point in the box by a hair is certain all the same if the source is surely positive.
     return {below.yes, certain && below.certain && (held.certain || !below.yes)};
   }
 
-  Tested negative(Id<Sdf> id, const Approximate& p, double time_ms) const {
+  static std::optional<AskedCell> asked_cell(const std::optional<Lookup>& lookup, const glm::dvec3& p) {
+    if (!lookup) return std::nullopt;
+    return AskedCell{lookup->cell_of(p), lookup->size, static_cast<std::uint32_t>(lookup->at(p).size())};
+  }
+
+  Tested negative(Id<Sdf> id, const Approximate& p, double time_ms, AskedDecision* asked) const {
     const Sdf& sdf = at(module.sdfs, id);
+    if (asked) asked->cell = asked_cell(seeds[id.index], p.p);
     bool any = false, any_certain = false, all_certain = true;
     for_each(seeds[id.index], sdf.local_from_object.size(), p.p, [&](std::uint32_t i) {
-      const Tested placed = placed_negative(id.index, sdf.local_from_object[i], p, time_ms);
+      AskedPlacement* const one = asked ? &asked->placements.emplace_back() : nullptr;
+      const Tested placed = placed_negative(id.index, sdf.local_from_object[i], p, time_ms, one);
+      if (one) {
+        one->placement = i;
+        one->negative = placed.yes;
+        one->certain = placed.certain;
+      }
       any = any || placed.yes;
       any_certain = any_certain || (placed.yes && placed.certain);
       all_certain = all_certain && placed.certain;
@@ -242,23 +266,45 @@ struct Reference::Impl {
     return {any, any_certain || all_certain};
   }
 
-  Id<Region> region_at(Id<Object> object, const Approximate& p, double time_ms, bool& certain) const {
+  Id<Region> region_at(Id<Object> object, const Approximate& p, double time_ms, bool& certain, Visit* visit) const {
     Id<Node> node = at(module.objects, object).root;
     while (const auto* decision = std::get_if<Decision>(&at(module.nodes, node).content)) {
-      const Tested side = negative(decision->sdf, p, time_ms);
+      AskedDecision* const asked = visit ? &visit->decisions.emplace_back() : nullptr;
+      const Tested side = negative(decision->sdf, p, time_ms, asked);
+      if (asked) {
+        asked->sdf = decision->sdf;
+        asked->negative = side.yes;
+        asked->certain = side.certain;
+      }
       certain = certain && side.certain;
       node = side.yes ? decision->negative : decision->positive;
     }
     return std::get<Id<Region>>(at(module.nodes, node).content);
   }
 
-  /// Evaluates an object at a point of its cube. True if it is not empty there; then `out` has the answer.
-  bool evaluate(Id<Object> object, const Approximate& p, double time_ms, ReferenceAnswer& out) const {
-    const Id<Region> id = region_at(object, p, time_ms, out.certain);
+  /// Evaluates an object at a point of its cube. True if it is not empty there; then `out` has the answer. What is asked
+  /// is told to `visits`, if that is given.
+  bool evaluate(Id<Object> object, const Approximate& p, double time_ms, ReferenceAnswer& out,
+                std::vector<Visit>* visits) const {
+    Visit* const visit = visits ? &visits->emplace_back() : nullptr;
+    const Id<Region> id = region_at(object, p, time_ms, out.certain, visit);
     const Region& region = at(module.regions, id);
+    if (visit) {
+      visit->object = object;
+      visit->p = p.p;
+      visit->region = id;
+    }
+    const bool answers = evaluate_region(id, region, p, time_ms, out, visit);
+    if (visit) visit->answers = answers;
+    return answers;
+  }
+
+  bool evaluate_region(Id<Region> id, const Region& region, const Approximate& p, double time_ms, ReferenceAnswer& out,
+                       Visit* visit) const {
     out.path.push_back({id.index, 0});
     for (std::size_t g = 0; g < region.groups.size(); ++g) {
-      if (ask_group(region.groups[g], groups[id.index][g], p, time_ms, out)) return true;
+      AskedGroup* const asked = visit ? &visit->groups.emplace_back() : nullptr;
+      if (ask_group(region.groups[g], groups[id.index][g], p, time_ms, out, asked)) return true;
     }
     if (region.number != 0) {
       out.path.back().candidate = 0;
@@ -271,33 +317,44 @@ struct Reference::Impl {
   }
 
   bool ask_group(const CandidateGroup& group, const std::optional<Lookup>& lookup, const Approximate& p,
-                 double time_ms, ReferenceAnswer& out) const {
+                 double time_ms, ReferenceAnswer& out, AskedGroup* asked) const {
     Approximate in_frame = p;
     if (group.box_from_object) {
       in_frame = apply(*group.box_from_object, p);
       const Tested held = in_cube(in_frame);
       out.certain = out.certain && held.certain;
+      if (asked) {
+        asked->in_box = in_frame.p;
+        asked->held = held.yes;
+        asked->certain = held.certain;
+      }
       if (!held.yes) return false;
     }
+    if (asked) asked->cell = asked_cell(lookup, in_frame.p);
     const std::size_t level = out.path.size() - 1;
     bool found = false;
     for_each(lookup, group.candidates.size(), in_frame.p, [&](std::uint32_t i) {
       out.path[level].candidate = group.first_number + i;
-      found = ask(group.candidates[i], p, time_ms, out);
+      AskedCandidate* const one = asked ? &asked->candidates.emplace_back() : nullptr;
+      if (one) one->number = group.first_number + i;
+      found = ask(group.candidates[i], p, time_ms, out, one);
       return !found;
     });
     return found;
   }
 
-  bool ask(const Candidate& candidate, const Approximate& p, double time_ms, ReferenceAnswer& out) const {
+  bool ask(const Candidate& candidate, const Approximate& p, double time_ms, ReferenceAnswer& out,
+           AskedCandidate* asked) const {
     Approximate q = apply(candidate.local_from_parent, p);
-    if (candidate.tiled) {
-      out.certain = wrap(q).certain && out.certain;
-      return evaluate(candidate.object, q, time_ms, out);
-    }
-    const Tested held = in_cube(q);
+    const Tested held = candidate.tiled ? wrap(q) : in_cube(q);
     out.certain = out.certain && held.certain;
-    return held.yes && evaluate(candidate.object, q, time_ms, out);
+    if (asked) {
+      asked->object = candidate.object;
+      asked->local = q.p;
+      asked->held = held.yes;
+      asked->certain = held.certain;
+    }
+    return held.yes && evaluate(candidate.object, q, time_ms, out, asked ? &asked->visit : nullptr);
   }
 
   glm::dvec4 color(const Region& region, const Approximate& p, bool& certain) const {
@@ -335,13 +392,30 @@ Reference::Reference(const Module& module, Options options) : impl_(std::make_un
 Reference::Reference(Reference&&) noexcept = default;
 Reference::~Reference() = default;
 
-ReferenceAnswer Reference::evaluate(const glm::dvec3& p, double time_ms) const {
+namespace {
+
+template <class Evaluate>
+ReferenceAnswer evaluate_root(const glm::dvec3& p, const Evaluate& evaluate) {
   ReferenceAnswer answer;
   const Approximate root = rounded(p);
   const Tested held = in_cube(root);
   answer.certain = held.certain;
-  if (held.yes) impl_->evaluate(impl_->module.root, root, time_ms, answer);
+  if (held.yes) evaluate(root, answer);
   return answer;
+}
+
+}  // namespace
+
+ReferenceAnswer Reference::evaluate(const glm::dvec3& p, double time_ms) const {
+  return evaluate_root(p, [&](const Approximate& root, ReferenceAnswer& answer) {
+    impl_->evaluate(impl_->module.root, root, time_ms, answer, nullptr);
+  });
+}
+
+ReferenceAnswer Reference::evaluate(const glm::dvec3& p, double time_ms, std::vector<Visit>& visits) const {
+  return evaluate_root(p, [&](const Approximate& root, ReferenceAnswer& answer) {
+    impl_->evaluate(impl_->module.root, root, time_ms, answer, &visits);
+  });
 }
 
 }  // namespace dmvv::compiler

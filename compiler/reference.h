@@ -16,6 +16,8 @@ struct ReferenceAnswer : PointAnswer {
   bool certain = true;
 };
 
+struct Visit;  // explanation.h
+
 /// Evaluates points one by one. Thread-safe after construction.
 class Reference {
  public:
@@ -35,6 +37,10 @@ class Reference {
 
   /// The scene at `p`, root coordinates, at a time since the animation's start. Allocation-free but for the path.
   ReferenceAnswer evaluate(const glm::dvec3& p, double time_ms = 0.0) const;
+
+  /// The same, and what was asked on the way, without distances: one visit, or none where the root's cube does not hold
+  /// the point. For explain().
+  ReferenceAnswer evaluate(const glm::dvec3& p, double time_ms, std::vector<Visit>& visits) const;
 
  private:
   struct Impl;

@@ -13,13 +13,13 @@ namespace dmvv::voml {
 std::span<const std::string_view> attributes_of(Tag tag) {
   static constexpr std::string_view import_file[] = {"file"};
   static constexpr std::string_view named[] = {"name"};  // OBJECT, MAPPINGS
-  static constexpr std::string_view sdf[] = {"name", "file",     "function",   "translate", "rotate", "scale",
-                                             "type", "seedFile", "rotateFile", "scaleFile", "index",  "offset"};
+  static constexpr std::string_view sdf[] = {"name",       "file",      "function", "type",      "seedFile", "rotateFile",
+                                             "scaleFile", "index",     "translate", "rotate",   "scale",    "offset"};
   static constexpr std::string_view region[] = {"name",      "type",   "rgb",   "file",
                                                 "translate", "rotate", "scale", "opacity"};
   static constexpr std::string_view index[] = {"size", "translate", "rotate", "scale"};
-  static constexpr std::string_view embedded[] = {"name", "translate", "rotate",     "scale",
-                                                  "type", "seedFile",  "rotateFile", "scaleFile"};
+  static constexpr std::string_view embedded[] = {"name",      "type",      "seedFile", "rotateFile",
+                                                  "scaleFile", "translate", "rotate",   "scale"};
   static constexpr std::string_view side[] = {"region"};
   switch (tag) {
     case Tag::import_file:

@@ -15,7 +15,8 @@
 
 namespace dmvv::voml {
 
-/// All attributes that an element may have, wherever it stands; none for Tag::unknown. spec/voml.rng says the same.
+/// All attributes that an element may have, wherever it stands, in canonical order; none for Tag::unknown. The table in
+/// spec/voml.md and the schema spec/voml.rng say the same.
 std::span<const std::string_view> attributes_of(Tag tag);
 
 /// Reads the attributes of an element. Every getter reports what is wrong with a value and then returns nothing (or the

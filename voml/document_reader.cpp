@@ -31,7 +31,6 @@ class DocumentReader {
   };
 
   bool open(const std::string& path, Span named_at);
-  bool check_root(Element root);
   void import(Element element);
   void use_functions_of(std::size_t imported);
   void report_import_cycle(const std::string& path, Span named_at);
@@ -88,26 +87,12 @@ bool DocumentReader::open(const std::string& path, Span named_at) {
   auto document = XmlDocument::parse(diagnostics_.add_source(path, std::move(*text)), elements_left_, diagnostics_);
   if (!document) return false;
   const Element root{document.get(), document->root()};
-  if (!check_root(root)) return false;
+  if (!check_root(root, diagnostics_)) return false;
   Attributes(root, diagnostics_).report_unknown();
   Children children = children_of(root, {Tag::object, Tag::import_file, Tag::functions}, false, draft_, diagnostics_);
   open_.push_back(
       std::make_unique<OpenFile>(OpenFile{path, std::move(document), root.name_span(), std::move(children), index}));
   return true;
-}
-
-/// False if there is no sense in reading on.
-bool DocumentReader::check_root(Element root) {
-  if (same_word(root.name(), "MVV")) return true;
-  if (root.tag() == Tag::mvv) {
-    diagnostics_.report(Code::root_spelling, root.name_span(),
-                        fmt::format("the outermost element is spelt {}; its name is 'MVV'", in_quotes(root.name())));
-    return true;
-  }
-  const bool near = nearest_name(root.title(), {"MVV"}).has_value();
-  diagnostics_.report(Code::wrong_root_element, root.name_span(),
-                      fmt::format("the outermost element is {}, it must be 'MVV'", in_quotes(root.name())));
-  return near;
 }
 
 void DocumentReader::import(Element element) {

@@ -56,6 +56,8 @@ std::vector<OpenElement> open_elements(std::string_view text, std::size_t stop) 
   return open;
 }
 
+}  // namespace
+
 std::string_view what_went_wrong(pugi::xml_parse_status status) {
   switch (status) {
     case pugi::status_out_of_memory:
@@ -83,8 +85,6 @@ std::string_view what_went_wrong(pugi::xml_parse_status status) {
       return "this is not well-formed XML";
   }
 }
-
-}  // namespace
 
 std::string_view name_of(Tag tag) { return tag_names[static_cast<std::size_t>(tag)]; }
 
@@ -215,6 +215,19 @@ Span XmlDocument::text_span(pugi::xml_node text) const {
   const std::size_t begin = offset(text.value());
   const std::string_view end = text.type() == pugi::node_cdata ? "]]>" : "<";
   return span(begin, std::min(original().find(end, begin), original().size()));
+}
+
+bool check_root(Element root, Diagnostics& diagnostics) {
+  if (same_word(root.name(), "MVV")) return true;
+  if (root.tag() == Tag::mvv) {
+    diagnostics.report(Code::root_spelling, root.name_span(),
+                       fmt::format("the outermost element is spelt {}; its name is 'MVV'", in_quotes(root.name())));
+    return true;
+  }
+  const bool near = nearest_name(root.title(), {"MVV"}).has_value();
+  diagnostics.report(Code::wrong_root_element, root.name_span(),
+                     fmt::format("the outermost element is {}, it must be 'MVV'", in_quotes(root.name())));
+  return near;
 }
 
 std::optional<ElementText> text_of(Element element) {

@@ -36,6 +36,9 @@ std::string_view name_of(Tag tag);
 /// By name, without regard to case; MMV and MV count as MVV.
 Tag tag_of(std::string_view name);
 
+/// What pugixml means, in a sentence of ours.
+std::string_view what_went_wrong(pugi::xml_parse_status status);
+
 /// A parsed file. Names and values stay where they stood in the file's bytes, so that a pointer is a place.
 class XmlDocument {
  public:
@@ -79,6 +82,10 @@ struct Element {
   Tag tag() const { return tag_of(name()); }
   Span name_span() const { return document->name_span(node); }
 };
+
+/// Whether the outermost element is MVV, or nearly so: false if there is no sense in reading on.
+/// Reports W0101, E0101.
+bool check_root(Element root, Diagnostics& diagnostics);
 
 /// The text of an element, text and CDATA joined. What is left out between (comments, child elements) leaves its line
 /// ends behind, so that line k of the text is line k from the beginning of `span`.

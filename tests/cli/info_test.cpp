@@ -41,6 +41,26 @@ TEST_CASE("a scene as a tree, with counts and memory") {
               "\n      R.PULP: 3 x PIP: 0 decisions, 1 region\n", "\n    R.PEEL: 1 x PIP: as above\n", "3 seeds"});
 }
 
+TEST_CASE("a scene: what moves, which code, what the passes found, and what is uploaded") {
+  const Folder folder;
+  const std::string scene = folder.write("s.voml", R"(<MVV>
+  <OBJECT name="PIP"><SDF name="BALL" function="true">return length(p) - 0.5;</SDF>
+    <REGION name="R.PIP" type="color" rgb="1 1 0"/></OBJECT>
+  <OBJECT name="PULSE"><SDF name="SKIN" function="true">return length(p) - 0.9 - 0.01 * sin(t);</SDF>
+    <REGION name="R.PULSE" type="color" rgb="1 0 0"><EMBEDDED name="PIP"/></REGION></OBJECT>
+  <OBJECT name="BOX"><REGION name="R.BOX" type="color" rgb="1 1 1"><EMBEDDED name="PULSE"/></REGION></OBJECT>
+</MVV>)");
+  check_says(run_dmvv({"info", scene}),
+             {"\n  BOX: 0 decisions, 1 region\n    code    specialised\n    moves   what it embeds\n",
+              "\n    R.BOX: 1 x PULSE: 1 decision, 2 regions\n      code    specialised\n      moves   SKIN\n",
+              "\n        moves   no\n", "; no texels\n", "\npasses\n  merge-assets     nothing to do\n",
+              "\n  box-tests        2 of 2 box tests are left out\n", "\n  time             1 value a frame\n"});
+  check_says(run_dmvv({"info", scene, "--codegen", "table", "--disable", "index"}),
+             {"\n    code    table\n", "\n  index            off\n", ", objects 12 bytes, "});
+  check_says(run_dmvv({"info", scene, "--root", "PIP"}), {"\n  time             none: the scene is static\n"});
+  CHECK(run_dmvv({"info", scene, "--codegen", "thesis"}).exit_code == 2);
+}
+
 TEST_CASE("a picture: is it a bitmap?") {
   const Folder folder;
   dmvv::runtime::Picture picture;

@@ -98,3 +98,21 @@ TEST_CASE("an open support mesh is drawn with a warning when it is cut") {
   CHECK(run.exit_code == 0);
   CHECK(run.err.find("3 open edges") != std::string::npos);  // the triangle that is missing has three
 }
+
+TEST_CASE("a picture with nothing in it says so, and how to see something") {
+  const Folder folder;
+  const std::string scene = folder.write("ball.voml", R"(<MVV><OBJECT name="A">
+  <SDF name="S" function="true">return length(p) - 0.5;</SDF><REGION name="R" type="color" rgb="1 0 0"/></OBJECT></MVV>)");
+  const std::vector<std::string> render{"render", scene, "-o", folder.file("a.png"), "--size", "32x32"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), render.begin(), render.end());
+    const Run run = run_dmvv(more);
+    CHECK(run.exit_code == 0);
+    return run.err;
+  };
+  CHECK(with({}).find("warning: nothing to see") != std::string::npos);
+  CHECK(with({"--slice", "z=0.9"}).find("empty on this section") != std::string::npos);
+  CHECK(with({"--quiet"}).empty());
+  CHECK(with({"--cut", "0 0 1 0"}).empty());
+  CHECK(with({"--slice", "z=0"}).empty());
+}

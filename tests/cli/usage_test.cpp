@@ -18,7 +18,7 @@ TEST_CASE("help and version go to the standard output") {
   const Run help = run_dmvv({"--help"});
   CHECK(help.exit_code == 0);
   CHECK(help.err.empty());
-  for (const std::string command : {"new", "check", "render", "animate", "probe", "compile", "info", "sdf", "bench"}) {
+  for (const std::string command : {"new", "check", "fmt", "render", "animate", "probe", "compile", "info", "sdf", "bench"}) {
     CHECK(holds(help.out, "\n  " + command));
     const Run details = run_dmvv({command, "--help"});
     CHECK(details.exit_code == 0);
@@ -55,6 +55,8 @@ TEST_CASE("wrong usage: exit code 2, one message, nothing on the standard output
       {with(render, {"--camera", "look 0 0 0"}), {"--camera", "eye"}},
       {with(render, {"--cut", "0 0 0 1"}), {"--cut"}},
       {with(render, {"--cut", "1 0 0"}), {"--cut"}},
+      {with(render, {"--cut", "0", "0", "1", "0"}), {"not expected", "stand in quotes"}},
+      {{"probe", scene, "--point", "0", "0.5", "-1e-3"}, {"not expected", "stand in quotes"}},
       {with(render, {"--slice", "w=1"}), {"--slice"}},
       {with(render, {"--slice", "z=0", "--cut", "1 0 0 0"}), {"--slice", "--cut"}},
       {with(render, {"--shading", "phong"}), {"--shading", "phong", "none", "lit"}},

@@ -17,7 +17,9 @@
 #include <sstream>
 
 #include "compiler/snippet/snippet.h"
+#include "tests/support/scene_text.h"
 #include "tests/unit/voml/test_files.h"
+#include "voml/format.h"
 #include "voml/limits.h"
 #include "voml/scene.h"
 
@@ -111,6 +113,17 @@ std::string without_snippets(const std::string& rendered) {
     if (!snippet) result += line + "\n";
   }
   return result.substr(0, result.rfind('\n', result.size() - 2) + 1);
+}
+
+/// What reading says of a scene, without places: its content and the messages in any order.
+std::string reading(const Fixture& fixture) {
+  Diagnostics diagnostics(fixture.strict);
+  const auto scene = read_scene(fixture.name, memory_files(fixture.files), fixture.options, diagnostics);
+  std::multiset<std::string> messages;
+  for (const Diagnostic& d : diagnostics.all()) messages.insert(d.message);
+  std::string result = scene ? tests::to_text(*scene) : "no scene\n";
+  for (const std::string& message : messages) result += message + '\n';
+  return result;
 }
 
 struct Outcome {
@@ -221,4 +234,24 @@ TEST_CASE("every code of the table has a fixture") {
     if (covered_elsewhere(code.number)) continue;
     CHECK_MESSAGE(shown.contains(std::string(code.number)), code.number << " " << code.name << " has no fixture");
   }
+}
+
+TEST_CASE("a canonical layout changes nothing that reading sees, and what is refused is what is malformed") {
+  const std::set<std::string> malformed{"E0002", "E0003", "E0004", "E0005", "E0101"};
+  std::size_t count = 0;
+  for (Fixture& fixture : all_fixtures()) {
+    CAPTURE(fixture.name);
+    std::string& text = fixture.files[fixture.name];
+    Diagnostics diagnostics;
+    const auto formatted = format_document(diagnostics.add_source(fixture.name, text), diagnostics);
+    CHECK(formatted.has_value() != malformed.contains(fixture.name.substr(0, 5)));
+    if (!formatted) continue;
+    ++count;
+    const std::string before = reading(fixture);
+    text = *formatted;
+    CHECK(reading(fixture) == before);
+    Diagnostics again;
+    CHECK(format_document(again.add_source(fixture.name, text), again) == formatted);
+  }
+  CHECK(count > 40);
 }

@@ -6,6 +6,7 @@
 #include "compiler/reference.h"
 #include "tests/fuzz/targets.h"
 #include "tests/support/grids.h"
+#include "voml/format.h"
 #include "voml/scene.h"
 
 namespace dmvv::fuzz {
@@ -28,10 +29,20 @@ std::map<std::string, std::string> files_of(std::string_view text) {
   return files;
 }
 
+void check_layout(const std::string& text) {
+  Diagnostics diagnostics;
+  const auto once = voml::format_document(diagnostics.add_source("scene.voml", text), diagnostics);
+  must(once.has_value() == !diagnostics.has_errors(), "a layout or an error");
+  if (!once) return;
+  const auto twice = voml::format_document(diagnostics.add_source("once.voml", *once), diagnostics);
+  must(twice == once, "the layout of a layout is the same");
+}
+
 }  // namespace
 
 void run_voml(std::string_view bytes) {
   if (bytes.size() > 20000) return;
+  check_layout(std::string(bytes));
   Diagnostics diagnostics;
   auto scene = voml::read_scene("scene.voml", memory_files(files_of(bytes)), {"", bytes.size() % 2 == 0}, diagnostics);
   must(scene.has_value() == !diagnostics.has_errors(), "a scene or an error");

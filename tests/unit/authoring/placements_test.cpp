@@ -135,6 +135,11 @@ TEST_CASE("tables: the same placement in every form and separation") {
   }
 }
 
+TEST_CASE("angles that are left out are 0") {
+  CHECK(distance(only(read("x,y,z,ry\n1,2,3,30\n")).rotation, composed({0, 30, 0})) < 1e-14);
+  CHECK(distance(only(read("x,rz,y,z,rx\n1,90,2,3,40\n")).rotation, composed({40, 0, 90})) < 1e-14);
+}
+
 TEST_CASE("tables: without a header, three numbers and a fourth that is a scale or a kind") {
   CHECK_FALSE(read("1 2 3\n").table->has_scales);
   CHECK(only(read("1 2 3 4\n")).scale == glm::dvec3(4));

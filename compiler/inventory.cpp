@@ -1,0 +1,256 @@
+#include "compiler/inventory.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <set>
+
+#include "compiler/flatten.h"
+#include "compiler/generate_glsl.h"
+#include "compiler/passes.h"
+
+namespace dmvv::compiler {
+namespace {
+
+bool enabled(const CompileOptions& options, std::string_view pass) {
+  return std::ranges::find(options.disabled_passes, pass) == options.disabled_passes.end();
+}
+
+/// What an object's tree holds, each thing once, in the module's order.
+struct Tree {
+  std::set<std::uint32_t> decisions, sdfs, regions;
+};
+
+Tree tree_of(const Module& module, Id<Object> object) {
+  Tree tree;
+  std::set<std::uint32_t> seen;
+  std::vector<Id<Node>> open{at(module.objects, object).root};
+  while (!open.empty()) {
+    const Id<Node> id = open.back();
+    open.pop_back();
+    if (!seen.insert(id.index).second) continue;
+    const auto& content = at(module.nodes, id).content;
+    if (const auto* decision = std::get_if<Decision>(&content)) {
+      tree.decisions.insert(id.index);
+      tree.sdfs.insert(decision->sdf.index);
+      open.push_back(decision->positive);
+      open.push_back(decision->negative);
+    } else {
+      tree.regions.insert(std::get<Id<Region>>(content).index);
+    }
+  }
+  return tree;
+}
+
+std::vector<Tree> trees_of(const Module& module) {
+  std::vector<Tree> trees;
+  for (std::uint32_t i = 0; i < module.objects.size(); ++i) trees.push_back(tree_of(module, {i}));
+  return trees;
+}
+
+// ---- what the passes found ----
+
+std::size_t decisions_in(const Module& module) {
+  std::size_t count = 0;
+  for (const Tree& tree : trees_of(module)) count += tree.decisions.size();
+  return count;
+}
+
+/// Things of each kind, by name.
+using Counts = std::vector<std::pair<std::string_view, std::size_t>>;
+
+Counts count(const Module& module) {
+  return {{"decisions", decisions_in(module)}, {"objects", module.objects.size()},  {"SDFs", module.sdfs.size()},
+          {"regions", module.regions.size()},  {"grids", module.grids.size()},      {"bitmaps", module.bitmaps.size()},
+          {"functions", module.functions.size()}};
+}
+
+std::string difference(const Counts& before, const Counts& after) {
+  std::string text;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (before[i].second == after[i].second) continue;
+    text += fmt::format("{}{} {} -> {}", text.empty() ? "" : ", ", before[i].first, before[i].second, after[i].second);
+  }
+  return text.empty() ? "nothing to do" : text;
+}
+
+/// Lists that have a choice: with one entry there is nothing to find.
+struct ListsFound {
+  std::size_t lists = 0, entries = 0, cells = 0;
+  std::uint32_t longest = 0;
+};
+
+/// The transforms that stand in the code as constants, and the boxes tested there.
+std::string folded(const Module& module) {
+  std::size_t all = 0, simple = 0;
+  const auto add = [&](const Affine& affine) {
+    ++all;
+    simple += is_diagonal(affine) ? 1 : 0;
+  };
+  for (const Sdf& sdf : module.sdfs) {
+    if (sdf.placement != voml::Placement::seeded) add(sdf.local_from_object.front());
+  }
+  for (const Region& region : module.regions) {
+    if (region.kind == voml::RegionKind::bitmap) add(region.texture_from_object);
+    for (const CandidateGroup& group : region.groups) {
+      if (group.box_from_object) add(*group.box_from_object);
+    }
+  }
+  return all == 0 ? "nothing to do" : fmt::format("{} of {} constant transforms turn nothing", simple, all);
+}
+
+std::string left_out_tests(const Module& module) {
+  std::size_t all = 0, left_out = 0;
+  for (const Sdf& sdf : module.sdfs) {
+    if (sdf.placement != voml::Placement::single) continue;
+    ++all;
+    left_out += cube_maps_into(sdf.local_from_object.front(), local_box(sdf, module)) ? 1 : 0;
+  }
+  return all == 0 ? "nothing to do" : fmt::format("{} of {} box tests are left out", left_out, all);
+}
+
+/// run_passes, with what each did; those that the generator carries out are described from the module that it gets.
+std::vector<PassEffect> run_and_tell(Module& module, const CompileOptions& options) {
+  std::vector<PassEffect> effects;
+  Counts before = count(module);
+  for (const PassInfo& pass : pass_names()) {
+    PassEffect& effect = effects.emplace_back(PassEffect{pass.name, ""});
+    if (!enabled(options, pass.name)) {
+      effect.effect = "off";
+      continue;
+    }
+    const auto change = [&](void (*run)(Module&)) {
+      run(module);
+      const Counts after = count(module);
+      effect.effect = difference(before, after);
+      before = after;
+    };
+    if (pass.name == "merge-assets") change(merge_assets);
+    if (pass.name == "prune-sides") change(prune_sides);
+    if (pass.name == "drop-unreachable") change(drop_unreachable);
+    if (pass.name == "fold-affine") effect.effect = folded(module);
+    if (pass.name == "box-tests") effect.effect = left_out_tests(module);
+  }
+  run_passes(module, options);  // whatever else there is
+  return effects;
+}
+
+// ---- what each object costs ----
+
+/// Bytes of the records of one object, by the buffer they stand in.
+struct RecordBytes {
+  std::uint64_t nodes = 0, sdfs = 0, regions = 0, groups = 0, placements = 0, cells = 0, lists = 0, objects = 4;
+
+  std::uint64_t in(std::string_view buffer) const {
+    const std::pair<std::string_view, std::uint64_t> all[] = {
+        {"nodes", nodes},           {"sdfs", sdfs},   {"regions", regions}, {"groups", groups},
+        {"placements", placements}, {"cells", cells}, {"lists", lists},     {"objects", objects}};
+    const auto* found = std::ranges::find(all, buffer, &std::pair<std::string_view, std::uint64_t>::first);
+    return found == std::end(all) ? 0 : found->second;
+  }
+};
+
+class StockTaking {
+ public:
+  StockTaking(const Module& module, const CompileOptions& options) : module_(module), options_(options) {}
+
+  void run() {
+    sdf_counted_.assign(module_.sdfs.size(), false);
+    for (const Tree& tree : trees_of(module_)) count_object(tree);
+  }
+
+  std::vector<ObjectInventory> objects;
+  std::vector<RecordBytes> records;
+  ListsFound found;
+
+ private:
+  void count_object(const Tree& tree) {
+    ObjectInventory& object = objects.emplace_back();
+    RecordBytes& bytes = records.emplace_back();
+    object.name = module_.objects[objects.size() - 1].name;
+    object.decisions = static_cast<std::uint32_t>(tree.decisions.size());
+    object.sdfs = static_cast<std::uint32_t>(tree.sdfs.size());
+    object.regions = static_cast<std::uint32_t>(tree.regions.size());
+    bytes.nodes = tree.decisions.size() * sizeof(gpu::NodeRecord);
+    std::set<std::uint32_t> grids, bitmaps;
+    for (const std::uint32_t i : tree.sdfs) {
+      const Sdf& sdf = module_.sdfs[i];
+      object.placements += static_cast<std::uint32_t>(sdf.local_from_object.size());
+      if (const auto* grid = std::get_if<Id<voml::Grid>>(&sdf.source)) grids.insert(grid->index);
+      const auto* function = std::get_if<Id<Function>>(&sdf.source);
+      if (function && at(module_.functions, *function).snippet.uses_time()) object.moving_sdfs.push_back(sdf.name);
+      if (sdf_counted_[i]) continue;  // two objects may use one; its records stand once
+      sdf_counted_[i] = true;
+      bytes.sdfs += sizeof(gpu::SdfRecord);
+      bytes.placements += sdf.local_from_object.size() * sizeof(gpu::PlacementRecord);
+      if (sdf.placement == voml::Placement::seeded) {
+        count_lookup(placed_boxes(sdf, module_), sdf.index_size, glm::dvec3(0.0), bytes);
+      }
+    }
+    for (const std::uint32_t i : tree.regions) {
+      const Region& region = module_.regions[i];
+      if (region.kind == voml::RegionKind::bitmap) bitmaps.insert(region.bitmap.index);
+      bytes.regions += sizeof(gpu::RegionRecord);
+      for (const CandidateGroup& group : region.groups) {
+        object.placements += static_cast<std::uint32_t>(group.candidates.size());
+        bytes.groups += sizeof(gpu::GroupRecord);
+        bytes.placements += group.candidates.size() * sizeof(gpu::PlacementRecord);
+        count_lookup(placed_boxes(group), group.index_size, lookup_frame_error(group), bytes);
+      }
+    }
+    for (const std::uint32_t i : grids) add_texels(object, module_.grids[i].values.size(), options_.atlas_format);
+    for (const std::uint32_t i : bitmaps) add_texels(object, module_.bitmaps[i].texels.size(), TexelFormat::rgba16f);
+  }
+
+  static void add_texels(ObjectInventory& object, std::size_t texels, TexelFormat format) {
+    object.texels += texels;
+    object.texel_bytes += texels * bytes_per_texel(format);
+  }
+
+  void count_lookup(const std::vector<PlacedBox>& boxes, const glm::uvec3& wish, const glm::dvec3& frame_error,
+                    RecordBytes& bytes) {
+    const Lookup lookup = build_lookup(boxes, enabled(options_, "index") ? wish : glm::uvec3(1), frame_error);
+    bytes.cells += lookup.cells.size() * sizeof(std::uint32_t);
+    bytes.lists += lookup.lists.size() * sizeof(std::uint32_t);
+    if (boxes.size() < 2) return;
+    ++found.lists;
+    found.entries += boxes.size();
+    found.cells += lookup.cells.size() - 1;
+    found.longest = std::max(found.longest, lookup.longest);
+  }
+
+  const Module& module_;
+  const CompileOptions& options_;
+  std::vector<bool> sdf_counted_;
+};
+
+}  // namespace
+
+std::optional<Inventory> take_inventory(Module module, const CompileOptions& options, Diagnostics& diagnostics) {
+  assert(options.codegen != Codegen::thesis);
+  if (!can_evaluate(module, diagnostics)) return std::nullopt;
+  Inventory result;
+  result.passes = run_and_tell(module, options);
+  StockTaking stock(module, options);
+  stock.run();
+  for (PassEffect& effect : result.passes) {
+    if (effect.pass != "index" || effect.effect == "off") continue;
+    const ListsFound& found = stock.found;
+    effect.effect = found.lists == 0 ? "nothing to do"
+                                     : fmt::format("{} list{} of {} entries in {} cells, {} at most in one", found.lists,
+                                                   found.lists == 1 ? "" : "s", found.entries, found.cells, found.longest);
+  }
+  auto program = compile(std::move(module), options, diagnostics);
+  if (!program) return std::nullopt;
+  result.program = std::move(*program);
+  result.objects = std::move(stock.objects);
+  for (std::size_t i = 0; i < result.objects.size(); ++i) {
+    ObjectInventory& object = result.objects[i];
+    object.codegen = result.program.statistics.object_codegen[i].substr(object.name.size() + 2);  // "NAME: "
+    for (const Buffer& buffer : result.program.buffers) object.record_bytes += stock.records[i].in(buffer.name);
+  }
+  return result;
+}
+
+}  // namespace dmvv::compiler
