@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
@@ -14,15 +15,18 @@ namespace dmvv::authoring {
 
 namespace {
 
-constexpr std::uint32_t leaf_size = 8;
-constexpr int max_depth = 64;  // halving 2^32 triangles takes 32 levels; a traversal keeps one node a level
+constexpr std::uint32_t leaf_size = 8;  // of the nodes for winding numbers
+constexpr std::uint32_t wide_leaf_size = 2;
+// Halving 2^32 triangles takes 32 levels. A traversal keeps one node a level, or three at every other.
+constexpr int max_pending = 64;
+// The distance to a box is computed in float32 and must not exceed the exact one. Rounding adds some 2^-24 of the box's
+// coordinates, for which boxes have room, and of the distance, which is taken off the result.
+constexpr double box_room = 0x1p-21;
+constexpr float box_share = 1.0f - 0x1p-20f;
+constexpr float infinity = std::numeric_limits<float>::infinity();
 
 double square(double x) { return x * x; }
 double length2(const glm::dvec3& v) { return glm::dot(v, v); }
-
-double squared_distance_to_box(const glm::dvec3& p, const glm::dvec3& lo, const glm::dvec3& hi) {
-  return length2(glm::max(glm::max(lo - p, p - hi), 0.0));
-}
 
 /// A unit vector across the unit vector `x`, as near to `wish` as can be.
 glm::dvec3 perpendicular(const glm::dvec3& x, glm::dvec3 wish) {
@@ -99,13 +103,13 @@ struct Range {
   std::uint32_t begin, end;
   std::uint32_t count() const { return end - begin; }
   std::uint32_t middle() const { return begin + count() / 2; }
-  bool is_leaf() const { return count() <= leaf_size; }
+  bool is_leaf(std::uint32_t size) const { return count() <= size; }
 };
 
 /// Orders triangle numbers so that halving the range again and again gives compact halves: each range is split at the
 /// median along the longest side of its centroids' box.
 void order_by_medians(std::vector<std::uint32_t>& order, const std::vector<glm::dvec3>& centroids, Range range) {
-  if (range.is_leaf()) return;
+  if (range.is_leaf(wide_leaf_size)) return;
   glm::dvec3 lo = centroids[order[range.begin]], hi = lo;
   for (std::uint32_t i = range.begin; i < range.end; ++i) {
     lo = glm::min(lo, centroids[order[i]]);
@@ -128,36 +132,81 @@ TriangleTree::TriangleTree(const std::vector<Corners>& triangles) {
   std::vector<glm::dvec3> centroids;
   centroids.reserve(triangles.size());
   for (const auto& [a, b, c] : triangles) centroids.push_back((a + b + c) / 3.0);
-  std::vector<std::uint32_t> order(triangles.size());
-  std::iota(order.begin(), order.end(), 0u);
-  order_by_medians(order, centroids, {0, static_cast<Index>(triangles.size())});
+  order_.resize(triangles.size());
+  std::iota(order_.begin(), order_.end(), 0u);
+  order_by_medians(order_, centroids, {0, static_cast<Index>(triangles.size())});
+  centroids = {};
 
+  double reach = 0.0;
   triangles_.reserve(triangles.size());
-  for (const std::uint32_t i : order) triangles_.emplace_back(triangles[i]);
+  for (const std::uint32_t i : order_) {
+    triangles_.emplace_back(triangles[i]);
+    for (const glm::dvec3& corner : triangles[i]) {
+      reach = std::max({reach, std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
+    }
+  }
   build(0, static_cast<Index>(triangles_.size()));
+  build_wide(0, static_cast<Index>(triangles_.size()), reach * box_room);
 }
 
 TriangleTree::Index TriangleTree::build(Index begin, Index end) {
   const Range range{begin, end};
   const auto index = static_cast<Index>(nodes_.size());
-  nodes_.emplace_back();
+  nodes_.push_back({begin, range.count()});
   moments_.push_back(moments(begin, end));
-  if (range.is_leaf()) {
-    const glm::dvec3 corner_of_all = triangles_[begin].corners()[0];
-    Node leaf{corner_of_all, corner_of_all, begin, range.count()};
-    for (Index i = begin; i < end; ++i) {
+  if (!range.is_leaf(leaf_size)) {
+    build(begin, range.middle());
+    const Index second = build(range.middle(), end);
+    nodes_[index] = {second, 0};
+  }
+  return index;
+}
+
+namespace {
+
+/// The parts of a range, halved twice; those that are leaves stay whole.
+std::vector<Range> quarters(Range range) {
+  std::vector<Range> parts;
+  const auto halve = [](Range r) { return std::array{Range{r.begin, r.middle()}, Range{r.middle(), r.end}}; };
+  if (range.is_leaf(wide_leaf_size)) return {range};
+  for (const Range half : halve(range)) {
+    if (half.is_leaf(wide_leaf_size)) {
+      parts.push_back(half);
+    } else {
+      for (const Range quarter : halve(half)) parts.push_back(quarter);
+    }
+  }
+  return parts;
+}
+
+}  // namespace
+
+TriangleTree::Index TriangleTree::build_wide(Index begin, Index end, double room) {
+  const auto index = static_cast<Index>(wide_nodes_.size());
+  wide_nodes_.emplace_back();
+  WideNode wide;
+  std::ranges::fill(std::span(&wide.lo[0][0], 12), infinity);
+  std::ranges::fill(std::span(&wide.hi[0][0], 12), infinity);
+  std::ranges::fill(wide.first, 0u);
+  std::ranges::fill(wide.count, 0u);
+  std::size_t lane = 0;
+  for (const Range part : quarters({begin, end})) {
+    glm::dvec3 lo = triangles_[part.begin].corners()[0], hi = lo;
+    for (Index i = part.begin; i < part.end; ++i) {
       for (const glm::dvec3& corner : triangles_[i].corners()) {
-        leaf.lo = glm::min(leaf.lo, corner);
-        leaf.hi = glm::max(leaf.hi, corner);
+        lo = glm::min(lo, corner);
+        hi = glm::max(hi, corner);
       }
     }
-    nodes_[index] = leaf;
-  } else {
-    const Index first = build(begin, range.middle());
-    const Index second = build(range.middle(), end);
-    nodes_[index] = {glm::min(nodes_[first].lo, nodes_[second].lo), glm::max(nodes_[first].hi, nodes_[second].hi),
-                     second, 0};
+    for (int axis = 0; axis < 3; ++axis) {
+      wide.lo[axis][lane] = static_cast<float>(lo[axis] - room);
+      wide.hi[axis][lane] = static_cast<float>(hi[axis] + room);
+    }
+    wide.count[lane] = part.is_leaf(wide_leaf_size) ? part.count() : 0;
+    wide.first[lane] = part.is_leaf(wide_leaf_size) ? part.begin : build_wide(part.begin, part.end, room);
+    ++lane;
   }
+  wide_nodes_[index] = wide;
   return index;
 }
 
@@ -185,40 +234,78 @@ TriangleTree::Moments TriangleTree::moments(Index begin, Index end) const {
 
 // ---- queries ----
 
+namespace {
+
+/// Four numbers that are computed together (an extension of g++ and clang, on any processor).
+using Lanes = float __attribute__((vector_size(16)));
+
+Lanes greater_of(Lanes a, Lanes b) { return a > b ? a : b; }
+
+/// From q to each of four boxes.
+Lanes squared_distances(const float (&lo)[3][4], const float (&hi)[3][4], const float (&q)[3]) {
+  Lanes sum{};
+  for (int axis = 0; axis < 3; ++axis) {
+    Lanes low, high;
+    std::memcpy(&low, lo[axis], sizeof low);
+    std::memcpy(&high, hi[axis], sizeof high);
+    const Lanes outside = greater_of(greater_of(low - q[axis], q[axis] - high), Lanes{});
+    sum += outside * outside;
+  }
+  return sum * box_share;
+}
+
+}  // namespace
+
 double TriangleTree::distance(const glm::dvec3& p, Index& guess) const {
   struct Pending {
-    Index node;
-    double box2;
+    float box2;
+    Index first, count;
   };
-  Pending stack[max_depth];
+  Pending stack[max_pending];
   int pending = 0;
   double nearest2 = triangles_[guess].squared_distance(p, std::numeric_limits<double>::infinity());
-  const auto box2 = [&](Index node) { return squared_distance_to_box(p, nodes_[node].lo, nodes_[node].hi); };
+  const float q[3] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
 
-  stack[pending++] = {0, box2(0)};
+  stack[pending++] = {0.0f, 0, 0};
   while (pending > 0) {
     const Pending top = stack[--pending];
     if (top.box2 >= nearest2) continue;
-    const Node& node = nodes_[top.node];
-    for (Index i = node.first; i < node.first + node.count; ++i) {
+    for (Index i = top.first; i < top.first + top.count; ++i) {
       const double d2 = triangles_[i].squared_distance(p, nearest2);
       if (d2 < nearest2) {
         nearest2 = d2;
         guess = i;
       }
     }
-    if (node.count > 0) continue;
-    Pending nearer{top.node + 1, box2(top.node + 1)}, farther{node.first, box2(node.first)};
-    if (farther.box2 < nearer.box2) std::swap(nearer, farther);
-    if (farther.box2 < nearest2) stack[pending++] = farther;
-    if (nearer.box2 < nearest2) stack[pending++] = nearer;
+    if (top.count > 0) continue;
+    const WideNode& node = wide_nodes_[top.first];
+    const Lanes box2 = squared_distances(node.lo, node.hi, q);
+    const auto limit = static_cast<float>(nearest2);  // rounded by less than box_share
+    for (int lane = 0; lane < 4; ++lane) {
+      stack[pending] = {box2[lane], node.first[lane], node.count[lane]};
+      pending += box2[lane] <= limit ? 1 : 0;
+    }
   }
   return std::sqrt(nearest2);
 }
 
+double TriangleTree::distance(const glm::dvec3& p) const {
+  const float q[3] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+  Index first = 0, count = 0;
+  while (count == 0) {  // down to the nearest box of each node: a good guess
+    const WideNode& node = wide_nodes_[first];
+    const Lanes box2 = squared_distances(node.lo, node.hi, q);
+    int nearest = 0;
+    for (int lane = 1; lane < 4; ++lane) nearest = box2[lane] < box2[nearest] ? lane : nearest;
+    first = node.first[nearest];
+    count = node.count[nearest];
+  }
+  return distance(p, first);
+}
+
 double TriangleTree::winding_number(const glm::dvec3& p, double accuracy) const {
   const double accuracy2 = square(accuracy);
-  Index stack[max_depth];
+  Index stack[max_pending];
   int pending = 0;
   double sum = 0.0;
 

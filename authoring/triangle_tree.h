@@ -38,18 +38,26 @@ class Triangle {
   double base_, apex_x_, apex_y_;
 };
 
-/// Immutable; all queries are thread-safe and free of allocation.
+/// Immutable; all queries are thread-safe and free of allocation. Coordinates are below 1e18, so that their squares are
+/// numbers of float32.
 class TriangleTree {
  public:
-  /// Needs at least one triangle. Cost: O(n log n).
+  /// Needs at least one triangle. Cost: O(n log n); some 200 bytes a triangle.
   explicit TriangleTree(const std::vector<Corners>& triangles);
 
   /// Number of a triangle in the tree's own order.
   using Index = std::uint32_t;
 
+  const Triangle& triangle(Index index) const { return triangles_[index]; }
+  std::size_t triangle_count() const { return triangles_.size(); }
+  /// Its number in the list that the tree was made of.
+  std::uint32_t given_number(Index index) const { return order_[index]; }
+
   /// Distance from `p` to the nearest triangle. `guess` is any triangle, the better the faster, and becomes the nearest
   /// one: pass what the last query nearby left there.
   double distance(const glm::dvec3& p, Index& guess) const;
+  /// The same where no triangle is known to be near.
+  double distance(const glm::dvec3& p) const;
 
   /// The generalised winding number (Jacobson et al. 2013): for a closed mesh the integer count of shells around `p`.
   /// Clusters of triangles farther than `accuracy` times their radius are replaced by the first two terms of their
@@ -62,9 +70,15 @@ class TriangleTree {
 
  private:
   struct Node {
-    glm::dvec3 lo, hi;
     Index first;  ///< of a leaf's triangles; else the second child (the first one is the next node)
     Index count;  ///< of a leaf's triangles; else 0
+  };
+  /// For distances: a node with its children's children, whose boxes are tested together. Boxes hold what they bound
+  /// with some room for the rounding of a query. An absent child's box is infinitely far away.
+  struct WideNode {
+    float lo[3][4], hi[3][4];
+    Index first[4];  ///< of a leaf's triangles; else the wide node
+    Index count[4];  ///< of a leaf's triangles; else 0
   };
   /// The far field of a node: a dipole and its first moments about the centre.
   struct Moments {
@@ -75,10 +89,13 @@ class TriangleTree {
   };
 
   Index build(Index begin, Index end);
+  Index build_wide(Index begin, Index end, double room);
   Moments moments(Index begin, Index end) const;
 
   std::vector<Triangle> triangles_;
-  std::vector<Node> nodes_;  ///< depth first
+  std::vector<std::uint32_t> order_;  ///< of each triangle its number in the list that was given
+  std::vector<Node> nodes_;           ///< depth first
+  std::vector<WideNode> wide_nodes_;
   std::vector<Moments> moments_;
 };
 

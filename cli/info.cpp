@@ -294,7 +294,7 @@ int info(const InfoOptions& options, Context& context) {
     return exit_done;
   }
   if (has_ending(path, ".voml") || starts_like_xml(bytes)) return info_scene(options, context);
-  for (const std::string_view ending : {".obj", ".ply", ".stl"}) {
+  for (const std::string_view ending : {".obj", ".ply", ".stl", ".off"}) {
     if (has_ending(path, ending)) return info_mesh(path, context);
   }
   return info_picture(path, bytes);
@@ -305,7 +305,7 @@ int info(const InfoOptions& options, Context& context) {
 void add_info(CLI::App& app, Invocation& invocation) {
   auto options = std::make_shared<InfoOptions>();
   CLI::App& command = *app.add_subcommand("info", "Tell what is in a scene, distance grid, mesh or picture");
-  command.add_option("FILE", options->file.path, "VOML, LXN, OBJ, PLY, STL file, or a picture")
+  command.add_option("FILE", options->file.path, "VOML, LXN, OBJ, PLY, STL, OFF file, or a picture")
       ->required()
       ->type_name("");
   add_root_and_strict(command, options->file);

@@ -94,10 +94,7 @@ void write(Outputs& outputs, const RenderOptions& options, const AovPaths& aovs,
 
 /// A newcomer's puzzle: an object whose surface lies inside of the mesh leaves nothing on the mesh to be seen.
 void warn_of_nothing(const runtime::Picture& picture, const ViewOptions& view, const Context& context) {
-  if (context.quiet) return;
-  for (std::size_t alpha = 3; alpha < picture.rgba.size(); alpha += 4) {
-    if (picture.rgba[alpha] != 0.0f) return;
-  }
+  if (context.quiet || runtime::shows_something(picture)) return;
   const std::string_view where = view.slice.empty()
                                      ? "the scene is empty wherever the mesh's surface is seen; to look inside, cut it "
                                        "(--cut \"0 0 1 0\") or draw a section (--slice z=0)"

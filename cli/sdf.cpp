@@ -80,7 +80,7 @@ int sdf(const SdfOptions& options, Context& context) {
 void add_sdf(CLI::App& app, Invocation& invocation) {
   auto options = std::make_shared<SdfOptions>();
   CLI::App& command = *app.add_subcommand("sdf", "Make a distance grid (LXN) from a triangle mesh");
-  command.add_option("MESH", options->mesh, "OBJ, PLY or STL file")->required()->type_name("");
+  command.add_option("MESH", options->mesh, "OBJ, PLY, STL or OFF file")->required()->type_name("");
   command.add_option("-o,--output", options->grid, "Distance grid: .lxn")->required()->type_name("FILE");
   command
       .add_option("--resolution", options->grid_options.resolution,

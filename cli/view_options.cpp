@@ -15,7 +15,7 @@ void add_view_options(CLI::App& command, ViewOptions& options) {
                                  "\"eye X Y Z look X Y Z fov DEGREES\", \"up X Y Z\" optional; default: a camera that "
                                  "frames the mesh")
                      ->type_name("TEXT");
-  auto* mesh = command.add_option("--mesh", options.mesh, "Support mesh (OBJ, PLY, STL); default: the standard cube")
+  auto* mesh = command.add_option("--mesh", options.mesh, "Support mesh (OBJ, PLY, STL, OFF); default: the standard cube")
                    ->type_name("FILE");
   auto* cut = command.add_option("--cut", options.cuts, "\"NX NY NZ D\" takes away n.x > D (repeatable)")
                   ->type_name("PLANE")

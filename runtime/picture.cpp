@@ -131,6 +131,16 @@ Result<void> write_channel(const std::string& path, const Picture& picture, cons
 
 }  // namespace
 
+bool shows_something(const Picture& picture) {
+  for (std::size_t alpha = 3; alpha < picture.rgba.size(); alpha += 4) {
+    if (picture.rgba[alpha] != 0.0f) return true;
+  }
+  for (std::size_t alpha = 3; alpha < picture.rgba8.size(); alpha += 4) {
+    if (picture.rgba8[alpha] != 0) return true;
+  }
+  return false;
+}
+
 Result<void> write_picture(const std::string& path, const Picture& picture) {
   return guarded_write(path, [&]() -> Result<void> {
     if (auto fault = path_fault(path, {".png", ".tif", ".tiff", ".exr"})) return tl::unexpected(std::move(*fault));

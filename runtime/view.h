@@ -91,6 +91,9 @@ struct SliceFrame {
 };
 SliceFrame slice_frame(const Plane& plane, glm::uvec2 size_px);
 
+/// Is any pixel not wholly transparent?
+bool shows_something(const Picture& picture);
+
 /// A channel as PNG stores it: the nearest of 0..255; NaN is 0.
 inline std::uint8_t to_byte(float value) {
   return static_cast<std::uint8_t>(value > 0.0f ? (value < 1.0f ? value : 1.0f) * 255.0f + 0.5f : 0.0f);

@@ -242,9 +242,10 @@ Mesh read_mesh(const std::string& path, std::string_view bytes) {
   }
   if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r") || named(".ply")) return read_ply(bytes);
   if (looks_like_stl(bytes) || named(".stl")) return read_stl(bytes);
+  if (looks_like_off(bytes) || named(".off")) return read_off(bytes);
   if (named(".obj")) return read_obj(bytes);
   throw MeshRefusal{.code = Code::mesh_unknown_format,
-                    .message = "unknown mesh format; the formats read are OBJ (by its ending .obj), PLY and STL"};
+                    .message = "unknown mesh format; the formats read are OBJ (by its ending .obj), PLY, STL and OFF"};
 }
 
 void report(const MeshRefusal& refusal, const std::string& path, std::string_view bytes, Diagnostics& diagnostics) {

@@ -1,4 +1,4 @@
-// Triangle meshes and their files: OBJ, PLY (ascii, both binaries), STL (ascii, binary).
+// Triangle meshes and their files: OBJ, PLY (ascii, both binaries), STL (ascii, binary), OFF (ascii).
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -17,7 +17,7 @@ struct Mesh {
   std::vector<glm::uvec3> triangles;  ///< counter-clockwise seen from outside; indices into positions
 };
 
-/// Parses a mesh; the format follows from the content (STL, PLY magic) and else from the name's ending (.obj).
+/// Parses a mesh; the format follows from the content (STL, PLY, OFF magic) and else from the name's ending (.obj).
 /// Errors: a diagnostic with the line (text) or byte offset (binary), then the result is empty. Refused: unknown format,
 /// truncated data, counts that exceed the file's length, indices out of range, numbers that are not finite, no triangle.
 /// Cost: linear.

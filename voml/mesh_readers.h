@@ -75,8 +75,12 @@ bool equals_ignoring_case(std::string_view word, std::string_view lower);
 Mesh read_obj(std::string_view bytes);
 Mesh read_ply(std::string_view bytes);
 Mesh read_stl(std::string_view bytes);
+Mesh read_off(std::string_view bytes);
 
 /// True if the bytes can only be an STL file: text that begins with "solid", or as long as a binary STL says it is.
 bool looks_like_stl(std::string_view bytes);
+
+/// True if the first word is the keyword of an OFF file.
+bool looks_like_off(std::string_view bytes);
 
 }  // namespace dmvv::voml

@@ -102,6 +102,34 @@ TEST_CASE("distances of a soup of triangles are those of brute force, whatever t
   }
 }
 
+TEST_CASE("distances stay exact where float32 boxes are coarse: triangles and points far from the origin") {
+  Random random;
+  const dvec3 far(1000.0, -3000.0, 250.0);
+  std::vector<Corners> triangles;
+  for (int i = 0; i < 400; ++i) {
+    const dvec3 at = far + random.point(1e-2);
+    triangles.push_back({at, at + random.point(1e-4), at + random.point(1e-4)});
+  }
+  const TriangleTree tree(triangles);
+  for (int i = 0; i < 500; ++i) {
+    const dvec3 p = far + random.point(i % 2 == 0 ? 1e-2 : 1e3);
+    REQUIRE(std::abs(tree.distance(p) - distance(p, triangles)) < 1e-11);
+  }
+}
+
+TEST_CASE("a triangle of the tree is told by its number in the list that was given") {
+  const std::vector<Corners> triangles = corners_of(torus(0.4, 20, 10));
+  const TriangleTree tree(triangles);
+  REQUIRE(tree.triangle_count() == triangles.size());
+  for (const Corners& t : triangles) {
+    const dvec3 centroid = (t[0] + t[1] + t[2]) / 3.0;
+    TriangleTree::Index nearest = 0;
+    CHECK(tree.distance(centroid, nearest) < 1e-12);
+    CHECK((triangles[tree.given_number(nearest)] == t));
+    CHECK(glm::distance(tree.triangle(nearest).centroid(), centroid) < 1e-12);
+  }
+}
+
 TEST_CASE("many equal triangles do not unbalance the tree") {
   const std::vector<Corners> equal(5000, Corners{dvec3(0), dvec3(1, 0, 0), dvec3(0, 1, 0)});
   const TriangleTree tree(equal);

@@ -18,6 +18,8 @@ std::vector<File> good_files() {
       " 1.0\ncomment c\nelement vertex 3\nproperty float x\nproperty double y\nproperty short z\n"
       "property list uchar int tags\nelement face 1\nproperty list uchar uint vertex_indices\nend_header\n";
   std::vector<File> files{
+      {"a.off", "OFF # c\n3 1 0\n0 0 0\n1 0 0.5\n1e0 1 -0\n3 0 1 2 255 0 0\n"},
+      {"b.off", "COFF\n4 2 5\n0 0 0 1 0 0\n1 0 0 1 0 0\n1 1 0 9 9 9\n0 1 0 0 0 0\n4 0 1 2 3\n2 0 1\n"},
       {"a.obj", "# c\nv 0 0 0\nv 1 0 0.5 1\nv 1e0 +1 \\\n0\nvn 0 0 1\nf 1//1 2 3/1/1\nf -3 -2 -1 1\n"},
       {"a.ply", "ply\nformat ascii" + header + "0 0 0 1 7\n1 0 0 0\n1 1 0 2 1 2\n3 0 1 2\n"},
       {"a.stl",

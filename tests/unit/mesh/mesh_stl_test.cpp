@@ -95,8 +95,8 @@ TEST_CASE("STL: a file cut off anywhere is refused") {
 }
 
 TEST_CASE("a mesh of no known format is refused") {
-  for (const char* path : {"a.off", "obj", "a.ob", ""}) {
-    const Diagnostic refusal = refusal_of(parse(path, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
+  for (const char* path : {"a.of", "obj", "a.ob", ""}) {
+    const Diagnostic refusal = refusal_of(parse(path, "OFFS\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
     CHECK(refusal.code == Code::mesh_unknown_format);
   }
 }
