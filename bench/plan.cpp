@@ -31,7 +31,7 @@ struct Example {
 const std::vector<Example>& examples() {
   static const std::vector<Example> table{
       {"orange", "orange.ply", {{{0, 1, 0}, 0.0}}, 0.0},
-      {"skin", "", {{{0, 0, 1}, 0.0}}, 0.0},
+      {"skin", "skin.ply", {{{0, 0, 1}, 0.35}}, 1000.0},
       {"metaballs", "", {{{0, 0, 1}, 0.85}, {{0, 1, 0}, 0.85}, {{1, 0, 0}, 0.85}}, 1500.0},
       {"sticks", "ball.obj", {{{0.1, 0.3, 1}, 0.3}}, 1000.0},
       {"metaballs_plus", "", {{{0, 0, 1}, 0.85}}, 1500.0},

@@ -1,4 +1,5 @@
-// Closed intervals of int32, uint32 and bool (0 to 1), kept in 64 bits; whatever may wrap around is the whole range.
+// Closed intervals of int32, uint32 and bool (0 to 1), kept in 64 bits. What wraps around as a whole stays an interval;
+// what may wrap around in part is the whole range.
 #pragma once
 
 #include <algorithm>
@@ -33,8 +34,10 @@ struct IntegerIntervalOps {
   static constexpr IntegerInterval any_uint{0, std::numeric_limits<std::uint32_t>::max()};
   static constexpr IntegerInterval any_bool{0, 1};
 
+  /// The low 32 bits of everything from lo to hi.
   static IntegerInterval within(const IntegerInterval& range, std::int64_t lo, std::int64_t hi) {
-    return lo < range.lo || hi > range.hi ? range : IntegerInterval{lo, hi};
+    const std::int64_t wrapped = (lo - range.lo) & ~std::int64_t{0xffffffff};
+    return hi - wrapped > range.hi ? range : IntegerInterval{lo - wrapped, hi - wrapped};
   }
   static IntegerInterval as_int(std::int64_t lo, std::int64_t hi) { return within(any_int, lo, hi); }
   static IntegerInterval as_uint(std::int64_t lo, std::int64_t hi) { return within(any_uint, lo, hi); }
@@ -90,7 +93,7 @@ struct IntegerIntervalOps {
   static IntegerInterval i_div(V a, V b) {
     if (contains(b, 0)) return any_int;
     const IntegerInterval quotient = corners(a, b, [](std::int64_t x, std::int64_t y) { return x / y; });
-    return as_int(quotient.lo, quotient.hi);
+    return quotient.hi > any_int.hi ? any_int : quotient;  // the least integer by -1: undefined
   }
   static IntegerInterval i_rem(V a, V b) {
     if (contains(b, 0)) return any_int;

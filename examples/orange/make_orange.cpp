@@ -9,106 +9,21 @@
 // orange.voml means a thickness in orange units.
 //
 // Deterministic: integer random numbers, no threads, nothing depends on time or place.
-#include <OpenImageIO/imageio.h>
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <filesystem>
-#include <functional>
 #include <glm/common.hpp>
-#include <glm/trigonometric.hpp>
-#include <string>
 #include <vector>
 
-#include "noise.h"
+#include "examples/assets.h"
+#include "examples/noise.h"
 #include "parts.h"
 #include "shapes.h"
 #include "support_mesh.h"
-#include "voml/files.h"
-#include "voml/grid.h"
 
 namespace {
 
 using namespace orange;
-
-// ---- files ----------------------------------------------------------------------------------------------------------
-
-/// Writes below the output folder; remembers the first failure.
-class Output {
- public:
-  explicit Output(std::string folder) : folder_(std::move(folder)) {}
-
-  std::string path(const std::string& name) const { return folder_ + "/" + name; }
-  void write(const std::string& name, const std::string& bytes) {
-    const auto result = dmvv::write_file(path(name), bytes);
-    if (!result) fail(result.error().message);
-  }
-  void fail(const std::string& message) {
-    if (error_.empty()) error_ = message;
-  }
-  const std::string& error() const { return error_; }
-
- private:
-  std::string folder_;
-  std::string error_;
-};
-
-/// Samples `shape` over the cube of half edges `extent`.
-void write_grid(Output& output, const std::string& name, glm::uvec3 size, dvec3 extent,
-                const std::function<double(dvec3)>& shape) {
-  dmvv::voml::Grid grid;
-  grid.size = size;
-  grid.values.reserve(std::size_t{size.x} * size.y * size.z);
-  for (std::uint32_t z = 0; z < size.z; ++z)
-    for (std::uint32_t y = 0; y < size.y; ++y)
-      for (std::uint32_t x = 0; x < size.x; ++x) {
-        const dvec3 cube = (dvec3(x, y, z) + 0.5) / dvec3(size) * 2.0 - 1.0;
-        grid.values.push_back(static_cast<float>(shape(cube * extent)));
-      }
-  output.write("sdf/" + name, dmvv::voml::write_lxn(grid));
-}
-
-/// Writes a 3D bitmap of n^3 texels as a picture of n x n^2 pixels; `color` gets the texel's middle in [0, 1)^3.
-void write_bitmap(Output& output, const std::string& name, int n, const std::function<dvec3(dvec3)>& color) {
-  std::vector<std::uint8_t> pixels;
-  pixels.reserve(3u * static_cast<std::size_t>(n) * n * n);
-  for (int row = n * n - 1; row >= 0; --row)  // rows of the file start at the top, rows of the format at the bottom
-    for (int x = 0; x < n; ++x) {
-      const dvec3 rgb = color((dvec3(x, row % n, row / n) + 0.5) / double(n));
-      for (int c = 0; c < 3; ++c)
-        pixels.push_back(static_cast<std::uint8_t>(glm::clamp(rgb[c], 0.0, 1.0) * 255.0 + 0.5));
-    }
-  const std::string path = output.path("bmp/" + name);
-  const auto file = OIIO::ImageOutput::create(path);
-  if (!file || !file->open(path, OIIO::ImageSpec(n, n * n, 3, OIIO::TypeDesc::UINT8)) ||
-      !file->write_image(OIIO::TypeDesc::UINT8, pixels.data()) || !file->close())
-    output.fail("cannot write " + path);
-}
-
-/// Angles in degrees such that Rz * Ry * Rx = r.
-dvec3 euler_deg(const glm::dmat3& r) {
-  return glm::degrees(
-      dvec3(std::atan2(r[1][2], r[2][2]), -std::asin(glm::clamp(r[0][2], -1.0, 1.0)), std::atan2(r[0][1], r[0][0])));
-}
-
-/// Writes NAME.txt, NAME_rotate.txt and NAME_scale.txt. Positions in the files are fractions of the cube's edge.
-void write_seeds(Output& output, const std::string& name, const std::string& what,
-                 const std::vector<Placement>& placements) {
-  std::string positions = fmt::format("# {}: positions, fractions of the edge of the cube\n", what);
-  std::string angles = fmt::format("# {}: rotations about x, y, z in degrees\n", what);
-  std::string scales = fmt::format("# {}: scales along x, y, z\n", what);
-  for (const Placement& placement : placements) {
-    const dvec3 p = placement.position / 2.0, a = euler_deg(placement.rotation), s = placement.scale;
-    positions += fmt::format("{:.5f} {:.5f} {:.5f}\n", p.x, p.y, p.z);
-    angles += fmt::format("{:.2f} {:.2f} {:.2f}\n", a.x, a.y, a.z);
-    scales += fmt::format("{:.5f} {:.5f} {:.5f}\n", s.x, s.y, s.z);
-  }
-  output.write("seeds/" + name + ".txt", positions);
-  output.write("seeds/" + name + "_rotate.txt", angles);
-  output.write("seeds/" + name + "_scale.txt", scales);
-}
+using namespace assets;
 
 // ---- bitmaps --------------------------------------------------------------------------------------------------------
 
@@ -168,23 +83,4 @@ void make_orange(Output& output) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  if (argc != 2) {
-    fmt::print(stderr, "usage: make_orange FOLDER\n");
-    return 2;
-  }
-  std::error_code error;
-  for (const char* folder : {"sdf", "bmp", "seeds"}) {
-    std::filesystem::create_directories(std::filesystem::path(argv[1]) / folder, error);
-    if (error) {
-      fmt::print(stderr, "make_orange: cannot make folder {}/{}: {}\n", argv[1], folder, error.message());
-      return 2;
-    }
-  }
-  Output output(argv[1]);
-  make_orange(output);
-  if (!output.error().empty()) {
-    fmt::print(stderr, "make_orange: {}\n", output.error());
-    return 2;
-  }
-}
+int main(int argc, char** argv) { return assets::run_maker(argc, argv, "make_orange", make_orange); }

@@ -7,20 +7,17 @@
 #include <glm/trigonometric.hpp>
 #include <numbers>
 
-#include "cells.h"
-#include "noise.h"
+#include "examples/cells.h"
+#include "examples/noise.h"
 #include "shapes.h"
 
 namespace orange {
+
+using namespace assets;
+
 namespace {
 
 using std::numbers::pi;
-
-/// An orthonormal frame whose y axis is `d` and whose z axis is as near as possible to `z_hint`.
-glm::dmat3 frame_along(dvec3 d, dvec3 z_hint) {
-  const dvec3 x = glm::normalize(glm::cross(d, z_hint));
-  return {x, d, glm::cross(x, d)};
-}
 
 /// The angles of the ten segments of orange.voml, degrees about y.
 constexpr std::array<double, 10> section_angles_deg = {43, 80, 115.5, 150.5, 189, 226, 261, 296.5, 333, 8.5};

@@ -2,20 +2,16 @@
 #pragma once
 
 #include <cstddef>
-#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <vector>
+
+#include "examples/assets.h"
 
 namespace orange {
 
 using glm::dvec3;
 
-/// A place of a part in the frame of the object that holds it: T * rotation * S.
-struct Placement {
-  dvec3 position;
-  glm::dmat3 rotation;
-  dvec3 scale;
-};
+using assets::Placement;
 
 struct Gland {
   dvec3 direction;  ///< unit, from the orange's centre

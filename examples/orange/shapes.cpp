@@ -8,9 +8,12 @@
 #include <numbers>
 #include <vector>
 
-#include "noise.h"
+#include "examples/noise.h"
 
 namespace orange {
+
+using namespace assets;
+
 namespace {
 
 using glm::dvec2;

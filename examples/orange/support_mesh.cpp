@@ -1,20 +1,21 @@
 #include "support_mesh.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <map>
 
-#include "cells.h"
-#include "noise.h"
+#include "examples/assets.h"
+#include "examples/cells.h"
+#include "examples/noise.h"
 #include "shapes.h"
 
 namespace orange {
+
+using namespace assets;
+
 namespace {
 
 /// Points of the unit sphere and triangles: an icosahedron whose faces are split into n^2 triangles.
@@ -88,31 +89,16 @@ std::vector<double> mesh_depths(const std::vector<dvec3>& directions, const std:
   return depths;
 }
 
-template <class T>
-void append_raw(std::string& bytes, T value) {
-  static_assert(std::endian::native == std::endian::little, "binary PLY is written little-endian");
-  const auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
-  bytes.append(raw.data(), raw.size());
-}
-
 }  // namespace
 
 std::string support_mesh(const std::vector<Gland>& glands) {
   const Sphere sphere = geodesic_sphere(76);
   const std::vector<double> depths = mesh_depths(sphere.directions, glands);
-  std::string ply = fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment support mesh of the orange\nelement vertex {}\nproperty float x\n"
-      "property float y\nproperty float z\nelement face {}\nproperty list uchar uint vertex_indices\nend_header\n",
-      sphere.directions.size(), sphere.triangles.size());
-  for (std::size_t i = 0; i < sphere.directions.size(); ++i) {
-    const dvec3 p = sphere.directions[i] * (skin_radius(sphere.directions[i]) - depths[i]);
-    for (int c = 0; c < 3; ++c) append_raw(ply, static_cast<float>(p[c]));
-  }
-  for (const auto& triangle : sphere.triangles) {
-    ply.push_back(3);
-    for (const std::uint32_t index : triangle) append_raw(ply, index);
-  }
-  return ply;
+  Mesh mesh;
+  for (std::size_t i = 0; i < sphere.directions.size(); ++i)
+    mesh.points.push_back(sphere.directions[i] * (skin_radius(sphere.directions[i]) - depths[i]));
+  for (const auto& t : sphere.triangles) mesh.triangles.emplace_back(t[0], t[1], t[2]);
+  return to_ply(mesh, "support mesh of the orange");
 }
 
 }  // namespace orange

@@ -7,7 +7,7 @@
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
 
-namespace orange {
+namespace assets {
 
 using glm::dvec3;
 
@@ -74,4 +74,4 @@ inline double bell(double x) {
   return t * t;
 }
 
-}  // namespace orange
+}  // namespace assets

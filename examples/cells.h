@@ -8,7 +8,7 @@
 #include <map>
 #include <vector>
 
-namespace orange {
+namespace assets {
 
 class Cells {
  public:
@@ -38,4 +38,4 @@ class Cells {
   std::map<Cell, std::vector<std::uint32_t>> cells_;
 };
 
-}  // namespace orange
+}  // namespace assets
