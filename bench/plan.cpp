@@ -65,6 +65,7 @@ class Planner {
   void sampling();
   void growth(bool whole_range);
   void code_forms();
+  void speed();
   void example_settings(const std::string& name);
   void thesis();
   void user_scenes();
@@ -222,6 +223,38 @@ void Planner::code_forms() {
   grow("empty", "regions", {1}, {"specialised"}, [](std::uint32_t) { return empty_cube(); });
 }
 
+/// Every example from three views, moving and standing, against the table form and against a frame of one colour.
+void Planner::speed() {
+  const auto lighten = [](Case& made) {
+    made.size_px = {1280, 720};
+    made.effort.builds = 1;
+    made.effort.points = made.effort.probe_rounds = 0;
+    made.effort.error_size_px = {};
+  };
+  Case& floor = add("speed", floor_series, "specialised", std::nullopt, floor_series, [] {
+    SceneSource source = empty_cube();
+    source.slice = runtime::Plane{{0.0, 0.0, 1.0}, 0.0};
+    return source;
+  });
+  lighten(floor);
+  for (const char* name : {"orange", "skin", "metaballs", "metaballs_plus", "sticks", "molecule", "virion", "mycoplasma"}) {
+    if (!found(name)) continue;
+    for (const std::string_view view : {"whole", "cut", "zoomed"}) {
+      if (options_.quick && view != "cut") continue;
+      SceneSource source = *example_scene(options_.examples, name);
+      source.name = fmt::format("{}, {}", name, view);
+      if (view == "whole") source.cuts.clear();
+      if (view == "zoomed") source.zoom = 8.0;
+      for (const char* form : {"specialised", "camera held", "nothing moves", "table"}) {
+        Case& made = add("speed", source.name, form, std::nullopt, source.name, [source] { return source; });
+        const glm::uvec2 compared = made.effort.error_size_px;
+        lighten(made);
+        if (std::string_view(form) == "specialised") made.effort.error_size_px = compared;
+      }
+    }
+  }
+}
+
 void Planner::example_settings(const std::string& name) {
   if (!found(name)) return;
   const SceneSource source = *example_scene(options_.examples, name);
@@ -316,7 +349,8 @@ const std::vector<SetName>& set_names() {
       {"standard", "boundaries against resolution, samples, growth, and the orange and the sticks with every setting"},
       {"thesis", "the scenes of the thesis' table 4.1, beside its figures and its way of evaluating"},
       {"stress", "figures where float32, drivers and data structures are pushed, each with its bound"},
-      {"speed-later", "what later speed work is measured by: every example with every setting, growth and code forms"},
+      {"speed", "every example whole, cut and zoomed; moving and standing; against the table form and a frame of one colour"},
+      {"growth", "growth to the limits, and the forms of code against each other"},
   };
   return names;
 }
@@ -343,10 +377,11 @@ Plan make_plan(const PlanOptions& options) {
     planner.user_scenes();
   } else if (options.set == "thesis") {
     planner.thesis();
-  } else if (options.set == "speed-later") {
+  } else if (options.set == "speed") {
+    planner.speed();
+  } else if (options.set == "growth") {
     planner.growth(true);
     planner.code_forms();
-    for (const Example& example : examples()) planner.example_settings(example.name);
   } else if (options.set == "standard") {
     planner.boundaries();
     planner.sampling();

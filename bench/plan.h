@@ -14,6 +14,9 @@
 
 namespace dmvv::bench {
 
+/// The series of the section "speed" that is a frame of one colour, all of it in the cube but for the margins.
+inline constexpr const char* floor_series = "one colour";
+
 /// What changes from one timed frame to the next.
 enum class Motion : std::uint8_t {
   camera,  ///< the camera moves: everything is drawn and evaluated anew
@@ -72,7 +75,7 @@ struct ThesisFigures {
 
 struct Case {
   std::string id;       ///< unique, stable: what results are compared by
-  std::string section;  ///< "boundary", "samples", "scene", "growth", "thesis"
+  std::string section;  ///< "boundary", "samples", "scene", "growth", "thesis", "speed"
   std::string series;   ///< cases that differ in their parameter alone
   std::string variant;
   Settings settings;
@@ -105,7 +108,7 @@ struct PlanOptions {
   glm::uvec2 size_px{640, 360};      ///< of the frames of `scenes`
 };
 
-/// "standard", "thesis", "stress", "speed-later", each with a sentence.
+/// "standard", "thesis", "stress", "speed", "growth", each with a sentence.
 struct SetName {
   std::string name;
   std::string what;

@@ -93,12 +93,13 @@ Result<Built> build(const SceneSource& source, const Settings& settings, Kernel 
   return Built{std::move(*program), std::move(*evaluator)};
 }
 
-Result<void> time_frames(runtime::Evaluator& evaluator, const runtime::View& view, const Effort& effort,
-                         Measurement& result) {
+Result<void> time_frames(runtime::Evaluator& evaluator, runtime::View view, const Effort& effort, Measurement& result) {
+  constexpr double step_ms = 40.0;
   const auto start = Clock::now();
   while (result.frame_ms.size() < effort.max_frames &&
          (result.frame_ms.size() < effort.min_frames || since_ms(start) < effort.frames_ms)) {
     runtime::Timings timings;
+    if (result.what.settings.motion == Motion::scene) view.time_ms += step_ms;
     const auto picture = evaluator.render(view, &timings);
     if (!picture) return tl::unexpected(picture.error());
     result.frame_ms.push_back(ms_of(timings, "frame"));

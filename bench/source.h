@@ -19,6 +19,7 @@ struct SceneSource {
   std::string mesh_path;  ///< support mesh; empty: the standard cube
   std::vector<runtime::Plane> cuts;
   std::optional<runtime::Camera> camera;  ///< none: one that frames the mesh
+  double zoom = 1.0;                      ///< divides the camera's angle of view
   std::optional<runtime::Plane> slice;    ///< a section instead of a perspective picture
   double time_ms = 0.0;
 };

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 
 #include "bench/report.h"
@@ -106,6 +108,48 @@ std::string scenes(const Report& report, const std::string& section) {
   return text;
 }
 
+/// Median frame of a case of the section "speed"; NaN if it was not measured.
+double frame_of(const Report& report, const std::string& series, const std::string& variant) {
+  for (const Measurement& m : report.measurements) {
+    if (fine(m, "speed") && m.what.series == series && m.what.variant == variant) return median(m.frame_ms);
+  }
+  return nan;
+}
+
+/// Ratios to the table form in the same run; the last line is their geometric mean.
+std::string speed(const Report& report) {
+  constexpr std::array settings{"specialised", "camera held", "nothing moves"};
+  TextTable table({"scene, view", "table", "moving", "held", "still", "table/", "table/", "table/", "moving/", "wrong"},
+                  {"", "ms", "ms", "ms", "ms", "moving", "held", "still", "floor", "pixels"});
+  const double floor = frame_of(report, floor_series, "specialised");
+  std::array<double, settings.size()> log_sums{};
+  std::size_t lines = 0;
+  for (const std::string& series : series_of(report, "speed")) {
+    if (series == floor_series) continue;
+    const double base = frame_of(report, series, "table");
+    std::vector<std::string> row{series, number(base)};
+    std::array<double, settings.size()> ms{};
+    for (std::size_t i = 0; i < settings.size(); ++i) row.push_back(number(ms[i] = frame_of(report, series, settings[i])));
+    for (std::size_t i = 0; i < settings.size(); ++i) {
+      row.push_back(number(base / ms[i]));
+      log_sums[i] += std::log(base / ms[i]);
+    }
+    row.push_back(number(ms[0] / floor));
+    for (const Measurement& m : report.measurements) {
+      if (fine(m, "speed") && m.what.series == series && m.pixels) row.push_back(fraction(m.pixels));
+    }
+    if (row.size() < 10) row.emplace_back("-");
+    table.add(row);
+    ++lines;
+  }
+  std::string below = fmt::format("  floor: a frame of one colour, {} ms", number(floor));
+  if (lines != 0) {
+    const auto mean = [&](std::size_t i) { return number(std::exp(log_sums[i] / static_cast<double>(lines))); };
+    below += fmt::format("; geometric means of table/moving {}, table/held {}, table/still {}", mean(0), mean(1), mean(2));
+  }
+  return heading("Speed (1280x720)", table, below + "\n");
+}
+
 /// The columns of the thesis' table 4.1, and the errors; after our rows of a scene the thesis' own.
 std::string thesis(const Report& report) {
   TextTable table({"object", "embedded objects", "build", "avg.", "wrong", "wrong"},
@@ -158,6 +202,7 @@ std::string to_table(const Report& report) {
   text += scenes(report, "scene");
   text += stress(report);
   text += thesis(report);
+  text += speed(report);
   text += fits(report);
   text += failures(report);
   text += "0 is exactly none. Wrong: share of the reference's certain answers that the device contradicts;\n"

@@ -62,6 +62,7 @@ runtime::View Truth::view(glm::uvec2 size_px) const {
   view.slice = source_.slice;
   view.time_ms = source_.time_ms;
   view.camera = source_.camera ? *source_.camera : runtime::default_camera(voml::bounds(mesh_), size_px, view.cuts);
+  view.camera.fov_deg /= source_.zoom;
   return view;
 }
 

@@ -173,7 +173,7 @@ void add_bench(CLI::App& app, Invocation& invocation) {
   options->view.size = "640x360";
   CLI::App& command = *app.add_subcommand("bench", "Measure run time and error of every setting, side by side");
   command.add_option("SCENE", options->scenes, "VOML files, measured with every setting; none: a set")->type_name("");
-  command.add_option("--set", options->set, "standard (default), thesis, stress or speed-later")->type_name("NAME");
+  command.add_option("--set", options->set, "standard (default), thesis, stress, speed or growth")->type_name("NAME");
   command.add_flag("--quick", options->quick, "Fewer cases, less certain figures: ends within 50 s");
   command.add_option("--json", options->json, "Write every figure and sample: .json")->type_name("FILE");
   command.add_option("--plots", options->plots, "Draw plots into a folder (needs gnuplot)")->type_name("DIR");

@@ -49,7 +49,7 @@ TEST_CASE("what cannot be measured is refused before the work") {
   const Run set = run_dmvv({"bench", "--set", "fast"});
   CHECK(set.exit_code == 2);
   CHECK(set.err.find("unknown set 'fast'") != std::string::npos);
-  CHECK(set.err.find("speed-later") != std::string::npos);
+  CHECK(set.err.find("growth to the limits") != std::string::npos);
   const Run scene = run_dmvv({"bench", folder.file("none.voml"), "--json", folder.file("b.json")});
   CHECK(scene.exit_code == 1);
   CHECK(scene.err.find("none.voml") != std::string::npos);
