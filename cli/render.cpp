@@ -92,6 +92,18 @@ void write(Outputs& outputs, const RenderOptions& options, const AovPaths& aovs,
   outputs.commit();
 }
 
+/// Where the scene ends within the support mesh, there is nothing to see: say so, and what helps.
+void warn_of_blank(const runtime::Picture& picture, const runtime::View& view, const Context& context) {
+  if (context.quiet) return;
+  for (std::size_t i = 3; i < picture.rgba.size(); i += 4)
+    if (picture.rgba[i] != 0.0f) return;
+  const char* const nothing = "the picture is blank: nothing of the scene lies ";
+  if (view.slice) return print_warning(fmt::format("{}in that plane", nothing));
+  print_warning(fmt::format("{}on what is seen of {}; cut it open (--cut \"0 0 1 0\"), or make a support mesh of the "
+                            "scene's own surface (dmvv mesh)",
+                            nothing, view.mesh ? "the support mesh" : "the standard cube"));
+}
+
 int render(const RenderOptions& options, Context& context) {
   // Everything that can be refused without the scene comes first.
   runtime::View view = parse_view(options.view);
@@ -118,6 +130,7 @@ int render(const RenderOptions& options, Context& context) {
   context.stopwatch.lap(timings, "other");
 
   warn_of_open_edges(picture.open_edges, options.view, context);
+  warn_of_blank(picture, view, context);
   if (const int exit_code = exit_code_of(device); exit_code != exit_done) return exit_code;
   write(outputs, options, aovs, picture, program.regions);
   context.stopwatch.lap("encode");
