@@ -22,6 +22,10 @@ constexpr std::array<std::string_view, column_count> column_names{
     "x",   "y",   "z",   "qw",  "qx",  "qy",  "qz",  "rx",    "ry", "rz", "m00", "m01",
     "m02", "m10", "m11", "m12", "m20", "m21", "m22", "scale", "sx", "sy", "sz",  "kind"};
 
+/// What else columns are called, unless the usual name is there too.
+constexpr std::array<std::array<std::string_view, 2>, 5> other_names{
+    {{"t1", "x"}, {"t2", "y"}, {"t3", "z"}, {"radius", "scale"}, {"entity", "kind"}}};
+
 using Columns = std::array<std::size_t, column_count>;
 
 /// Ends the reading: what follows cannot be trusted.
@@ -144,6 +148,8 @@ class TableReader {
                     bool in_file) {
     for (std::string& name : names) name = voml::lower_case(name);
     const auto named = [&](std::string_view name) { return std::ranges::find(names, name) != names.end(); };
+    for (const auto& [other, usual] : other_names)
+      if (!named(usual)) std::ranges::replace(names, std::string(other), std::string(usual));
     if (named("m33") && !named("m00")) {
       for (std::string& name : names) {
         if (name.size() == 3 && name[0] == 'm' && name[1] >= '1' && name[1] <= '3' && name[2] >= '1' && name[2] <= '3')

@@ -130,7 +130,7 @@ std::string file_name_of(std::string_view name) {
 }
 
 std::vector<std::string> file_names_of(std::span<const std::string> names) {
-  std::set<std::string> taken{"all"};  // the object that holds them
+  std::set<std::string> taken{"all", "filled"};  // the objects that hold them
   std::vector<std::string> result;
   for (const std::string& name : names) {
     const std::string plain = file_name_of(name);
@@ -193,7 +193,11 @@ std::string placed_scene(std::span<const PlacedObject> objects, const std::strin
   return fmt::format(R"(<?xml version="1.0" encoding="UTF-8"?>
 <!-- {}. Made by `dmvv seeds`. -->
 <MVV>
-{}  <OBJECT name="ALL">
+{}  <!-- For pictures by a support mesh, which may pass between the things: dmvv render with root FILLED. -->
+  <OBJECT name="FILLED">
+    <REGION name="R.BETWEEN" type="color" rgb="0.800 0.870 0.910"><EMBEDDED name="ALL"/></REGION>
+  </OBJECT>
+  <OBJECT name="ALL">
     <REGION name="R.ALL" type="empty">
       <INDEX size="{} {} {}">
 {}      </INDEX>

@@ -16,6 +16,7 @@ void add_probe(CLI::App& app, Invocation& invocation);
 void add_compile(CLI::App& app, Invocation& invocation);
 void add_info(CLI::App& app, Invocation& invocation);
 void add_sdf(CLI::App& app, Invocation& invocation);
+void add_mesh(CLI::App& app, Invocation& invocation);
 void add_seeds(CLI::App& app, Invocation& invocation);
 void add_bench(CLI::App& app, Invocation& invocation);
 

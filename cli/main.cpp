@@ -83,6 +83,7 @@ int main_function(int count, char** words) {
   add_compile(app, invocation);
   add_info(app, invocation);
   add_sdf(app, invocation);
+  add_mesh(app, invocation);
   add_seeds(app, invocation);
   add_bench(app, invocation);
   try {

@@ -92,14 +92,13 @@ void write(Outputs& outputs, const RenderOptions& options, const AovPaths& aovs,
   outputs.commit();
 }
 
-/// A newcomer's puzzle: an object whose surface lies inside of the mesh leaves nothing on the mesh to be seen.
-void warn_of_nothing(const runtime::Picture& picture, const ViewOptions& view, const Context& context) {
+/// A newcomer's puzzle: a scene that ends within the mesh leaves nothing on the mesh to be seen. Says what helps.
+void warn_of_nothing(const runtime::Picture& picture, const runtime::View& view, const Context& context) {
   if (context.quiet || runtime::shows_something(picture)) return;
-  const std::string_view where = view.slice.empty()
-                                     ? "the scene is empty wherever the mesh's surface is seen; to look inside, cut it "
-                                       "(--cut \"0 0 1 0\") or draw a section (--slice z=0)"
-                                     : "the scene is empty on this section";
-  print_warning(fmt::format("nothing to see: {}", where));
+  if (view.slice) return print_warning("nothing to see: the scene is empty on this section");
+  print_warning(fmt::format("nothing to see: the scene is empty wherever {} is seen; cut it open (--cut \"0 0 1 0\"), draw a "
+                            "section (--slice z=0), or make a support mesh of the scene's own surface (dmvv mesh)",
+                            view.mesh ? "the support mesh" : "the standard cube"));
 }
 
 int render(const RenderOptions& options, Context& context) {
@@ -130,7 +129,7 @@ int render(const RenderOptions& options, Context& context) {
   context.stopwatch.lap(timings, "other");
 
   warn_of_open_edges(picture.open_edges, options.view, context);
-  warn_of_nothing(picture, options.view, context);
+  warn_of_nothing(picture, view, context);
   if (const int exit_code = exit_code_of(device.validation_messages()); exit_code != exit_done) return exit_code;
   write(outputs, options, aovs, picture, program.regions);
   context.stopwatch.lap("encode");

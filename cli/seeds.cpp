@@ -8,6 +8,8 @@
 #include <memory>
 
 #include "authoring/cellpack.h"
+#include "authoring/gunzip.h"
+#include "authoring/kind_table.h"
 #include "authoring/molecule.h"
 #include "authoring/placement_table.h"
 #include "authoring/placements.h"
@@ -26,7 +28,11 @@ struct SeedsOptions {
   std::string format = "auto";
   bool scene = false;
   std::string assembly;
-  double radius = 0.0;  ///< of placements without a scale; 0: chosen
+  double radius = 0.0;  ///< of placements or beads without one; 0: chosen
+  std::string beads;    ///< table beside one of placements
+  std::string kinds;    ///< table of names and colours
+  bool blend = false;
+  double jiggle = 0.0;  ///< amplitude, in units of the source
   authoring::TableOptions table_options;
   authoring::MoleculeOptions molecule_options;
 };
@@ -55,6 +61,15 @@ std::string summary(const SeedsOptions& options, const authoring::Molecule& mole
 
 /// The part of a path behind its folder.
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+
+/// A whole file, unpacked if gzip packed it.
+std::string read_unpacked(const std::string& path) {
+  std::string bytes = read_bytes(path);
+  if (!authoring::is_gzip(bytes)) return bytes;
+  auto unpacked = authoring::gunzip(bytes);
+  if (!unpacked) fail_with({unpacked.error().fault, path + ": " + unpacked.error().message, unpacked.error().reasons});
+  return std::move(*unpacked);
+}
 
 void write(Outputs& outputs, const std::string& path, std::string_view bytes) {
   outputs.announce(path);
@@ -102,15 +117,120 @@ std::string frame_note(const authoring::MoleculeFrame& frame, std::string_view u
 
 constexpr std::size_t listed_kinds = 12;
 
+/// What the table of kinds says, if there is one.
+class Looks {
+ public:
+  Looks(const SeedsOptions& options, Context& context) {
+    if (options.kinds.empty()) return;
+    Diagnostics diagnostics;
+    auto table = authoring::parse_kind_table(options.kinds, read_unpacked(options.kinds), diagnostics);
+    if (!table) stop_with(diagnostics, context);
+    table_ = std::move(*table);
+  }
+
+  const std::string& name(const std::string& kind) const {
+    const auto found = table_.find(kind);
+    return found == table_.end() || found->second.name.empty() ? kind : found->second.name;
+  }
+  /// `i`: the place of the kind among all.
+  std::string rgb(const std::string& kind, std::size_t i) const {
+    const auto found = table_.find(kind);
+    return found == table_.end() || found->second.rgb.empty() ? authoring::kind_rgb(i) : found->second.rgb;
+  }
+
+  double radius(const std::string& kind, double otherwise) const {
+    const auto found = table_.find(kind);
+    return found == table_.end() || found->second.radius == 0.0 ? otherwise : found->second.radius;
+  }
+
+ private:
+  authoring::KindTable table_;
+};
+
+/// Thermal motion of a blob whose unit is `angstrom_per_unit`: it sways and its surface quivers, each kind in a rhythm
+/// of its own. `i`: the place of the kind among all.
+std::string jiggle(double amplitude, double angstrom_per_unit, std::size_t i) {
+  if (amplitude == 0.0) return {};
+  const double a = amplitude / angstrom_per_unit, phase = 2.4 * static_cast<double>(i % 100);
+  const int pace = 300 + 37 * static_cast<int>(i % 11);  // ms a radian
+  return fmt::format("\n      p += {0:.5f} * sin(t / {1}.0 + {2:.1f} + 4.0 * p.yzx);", a, pace, phase);
+}
+
+/// Writes the files and the scene of a packing; returns the note of what it holds.
+std::string write_packing(const SeedsOptions& options, const authoring::Packing& packing, const Looks& looks,
+                          Outputs& outputs, Context& context) {
+  const std::string stem = file_name(options.prefix);
+  const authoring::MoleculeFrame frame = authoring::fit_packing(packing);
+  std::vector<std::string> ingredient_names;
+  for (const authoring::Ingredient& ingredient : packing.ingredients)
+    ingredient_names.push_back(looks.name(ingredient.name));
+  const std::vector<std::string> names = authoring::file_names_of(ingredient_names);
+  std::vector<authoring::PlacedObject> objects;
+  std::size_t placements = 0, beads = 0;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const authoring::Ingredient& ingredient = packing.ingredients[i];
+    const bool blob = options.blend && ingredient.beads.size() <= authoring::max_blended_beads;
+    const authoring::MoleculeFrame own = blob ? authoring::fit_blob(ingredient, options.jiggle) : authoring::fit_beads(ingredient);
+    std::vector<authoring::Placement> placed = ingredient.placements;
+    for (authoring::Placement& placement : placed) {
+      placement.position += placement.rotation * (placement.scale * own.center);
+      placement.scale *= own.angstrom_per_unit;
+    }
+    const std::string path = fmt::format("{}_{}", options.prefix, names[i]);
+    const std::string rgb = looks.rgb(ingredient.name, i);
+    if (!blob) {
+      const authoring::PlacementFiles files = authoring::bead_files(ingredient, own);
+      write(outputs, path + "_bead.txt", files.seeds);
+      write(outputs, path + "_bead_scale.txt", files.scales);
+    }
+    write_placements(outputs, path, authoring::placement_files(placed, frame));
+    objects.push_back(
+        {names[i], placed.size(),
+         blob ? authoring::blob_object(
+                    names[i], rgb,
+                    authoring::blob_function(ingredient, own, jiggle(options.jiggle, own.angstrom_per_unit, i)))
+              : authoring::bead_object(names[i], rgb, fmt::format("{}_{}", stem, names[i]))});
+    placements += placed.size();
+    beads += ingredient.beads.size();
+  }
+  write_scene(outputs, options, objects, "The packing", context);
+  return fmt::format("{}: {} of {} with {}\n{}{}", options.prefix, plural(placements, "placement"),
+                     plural(names.size(), "ingredient"), plural(beads, "bead"), frame_note(frame, "A"),
+                     repaired_note(packing.repaired, packing.worst));
+}
+
+/// A table of placements and one of beads.
+int joined_seeds(const SeedsOptions& options, const authoring::PlacementTable& table, Outputs& outputs,
+                 Context& context) {
+  Diagnostics diagnostics;
+  const auto beads = authoring::parse_placement_table(options.beads, read_unpacked(options.beads), {}, diagnostics);
+  auto joined = beads ? authoring::join_tables(table, *beads, options.beads, options.radius, diagnostics)
+                            : std::nullopt;
+  context.stopwatch.lap("read");
+  if (!joined) stop_with(diagnostics, context);
+  const Looks looks(options, context);
+  if (joined->chose_radii) {
+    for (authoring::Ingredient& ingredient : joined->packing.ingredients)
+      for (authoring::Bead& bead : ingredient.beads) bead.radius = looks.radius(ingredient.name, bead.radius);
+  }
+  std::string note = write_packing(options, joined->packing, looks, outputs, context);
+  if (joined->beads_unused != 0) note += fmt::format("  left out: {} with beads that stand nowhere\n", plural(joined->beads_unused, "kind"));
+  if (joined->chose_radii) note += fmt::format("  no radii: each is {} of the median distance between beads of its kind, where --kinds does not tell it\n", authoring::bead_spacing_share);
+  if (!context.quiet) print_result(note);
+  return exit_done;
+}
+
 int table_seeds(const SeedsOptions& options, Context& context) {
   Outputs outputs;
   if (options.scene) outputs.announce(options.prefix + ".voml");
   Diagnostics diagnostics;
   auto table =
-      authoring::parse_placement_table(options.input, read_bytes(options.input), options.table_options, diagnostics);
+      authoring::parse_placement_table(options.input, read_unpacked(options.input), options.table_options, diagnostics);
   context.stopwatch.lap("read");
   if (!table) stop_with(diagnostics, context);
 
+  if (!options.beads.empty()) return joined_seeds(options, *table, outputs, context);
+  const Looks looks(options, context);
   const double scale = options.radius != 0.0 ? options.radius : authoring::default_scale(*table);
   std::vector<authoring::Placement> all;
   std::vector<std::string> kind_names;
@@ -118,7 +238,7 @@ int table_seeds(const SeedsOptions& options, Context& context) {
     if (!table->has_scales)
       for (authoring::Placement& placement : kind.placements) placement.scale = glm::dvec3(scale);
     all.insert(all.end(), kind.placements.begin(), kind.placements.end());
-    kind_names.push_back(kind.name);
+    kind_names.push_back(looks.name(kind.name));
   }
   const authoring::MoleculeFrame frame = authoring::fit_placements(all);
   const std::vector<std::string> names = authoring::file_names_of(kind_names);
@@ -129,7 +249,7 @@ int table_seeds(const SeedsOptions& options, Context& context) {
     write_placements(outputs, fmt::format("{}_{}", options.prefix, names[i]),
                      authoring::placement_files(placements, frame));
     objects.push_back({names[i], placements.size(),
-                       authoring::simple_object(names[i], authoring::kind_rgb(i), table->has_rotations)});
+                       authoring::simple_object(names[i], looks.rgb(table->kinds[i].name, i), table->has_rotations)});
     if (i < listed_kinds) by_kind += fmt::format("{}{} {}", i == 0 ? "" : ", ", names[i], placements.size());
   }
   if (names.size() > listed_kinds) by_kind += fmt::format(" and {} kinds more", names.size() - listed_kinds);
@@ -142,43 +262,14 @@ int table_seeds(const SeedsOptions& options, Context& context) {
 }
 
 int cellpack_seeds(const SeedsOptions& options, Context& context) {
-  const std::string stem = file_name(options.prefix);
   Outputs outputs;
   if (options.scene) outputs.announce(options.prefix + ".voml");
   Diagnostics diagnostics;
-  const auto packing = authoring::parse_cellpack(options.input, read_bytes(options.input), diagnostics);
+  const auto packing = authoring::parse_cellpack(options.input, read_unpacked(options.input), diagnostics);
   context.stopwatch.lap("read");
   if (!packing) stop_with(diagnostics, context);
-
-  const authoring::MoleculeFrame frame = authoring::fit_packing(*packing);
-  std::vector<std::string> ingredient_names;
-  for (const authoring::Ingredient& ingredient : packing->ingredients) ingredient_names.push_back(ingredient.name);
-  const std::vector<std::string> names = authoring::file_names_of(ingredient_names);
-  std::vector<authoring::PlacedObject> objects;
-  std::size_t placements = 0, beads = 0;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const authoring::Ingredient& ingredient = packing->ingredients[i];
-    const authoring::MoleculeFrame own = authoring::fit_beads(ingredient);
-    std::vector<authoring::Placement> placed = ingredient.placements;
-    for (authoring::Placement& placement : placed) {
-      placement.position += placement.rotation * own.center;
-      placement.scale = glm::dvec3(own.angstrom_per_unit);
-    }
-    const std::string path = fmt::format("{}_{}", options.prefix, names[i]);
-    const authoring::PlacementFiles files = authoring::bead_files(ingredient, own);
-    write(outputs, path + "_bead.txt", files.seeds);
-    write(outputs, path + "_bead_scale.txt", files.scales);
-    write_placements(outputs, path, authoring::placement_files(placed, frame));
-    objects.push_back({names[i], placed.size(),
-                       authoring::bead_object(names[i], authoring::kind_rgb(i), fmt::format("{}_{}", stem, names[i]))});
-    placements += placed.size();
-    beads += ingredient.beads.size();
-  }
-  write_scene(outputs, options, objects, "The packing", context);
-  if (context.quiet) return exit_done;
-  print_result(fmt::format("{}: {} of {} with {}\n{}{}", options.prefix, plural(placements, "placement"),
-                           plural(names.size(), "ingredient"), plural(beads, "bead"), frame_note(frame, "A"),
-                           repaired_note(packing->repaired, packing->worst)));
+  const std::string note = write_packing(options, *packing, Looks(options, context), outputs, context);
+  if (!context.quiet) print_result(note);
   return exit_done;
 }
 
@@ -194,7 +285,7 @@ authoring::Molecule read_assemblies(const SeedsOptions& options, Context& contex
   Diagnostics diagnostics;
   authoring::MoleculeOptions molecule_options = options.molecule_options;
   molecule_options.assemblies = true;
-  auto molecule = authoring::parse_molecule(options.input, read_bytes(options.input), molecule_options, diagnostics);
+  auto molecule = authoring::parse_molecule(options.input, read_unpacked(options.input), molecule_options, diagnostics);
   context.stopwatch.lap("read");
   if (!molecule) stop_with(diagnostics, context);
   return std::move(*molecule);
@@ -265,7 +356,7 @@ int molecule_seeds(const SeedsOptions& options, Context& context) {
 
   Diagnostics diagnostics;
   const auto molecule =
-      authoring::parse_molecule(options.input, read_bytes(options.input), options.molecule_options, diagnostics);
+      authoring::parse_molecule(options.input, read_unpacked(options.input), options.molecule_options, diagnostics);
   context.stopwatch.lap("read");
   if (!molecule) stop_with(diagnostics, context);
   const authoring::MoleculeFrame frame = authoring::fit_molecule(molecule->atoms);
@@ -289,15 +380,21 @@ int molecule_seeds(const SeedsOptions& options, Context& context) {
 /// What a file is, by the ending of its name where the option leaves it open.
 std::string format_of(const SeedsOptions& options) {
   if (options.format != "auto") return options.format;
-  const std::string ending = voml::lower_case(std::filesystem::path(options.input).extension().string());
+  std::filesystem::path path(options.input);
+  if (voml::lower_case(path.extension().string()) == ".gz") path.replace_extension();
+  const std::string ending = voml::lower_case(path.extension().string());
   if (ending == ".json" || ending == ".cpr") return "cellpack";
   return ending == ".csv" || ending == ".tsv" || ending == ".txt" ? "table" : "molecule";
 }
 
 int seeds(const SeedsOptions& options, Context& context) {
   const std::string format = format_of(options);
-  if (format != "table" && (!options.table_options.columns.empty() || options.radius != 0.0))
-    fail_usage(fmt::format("--columns and --radius are for tables; {} is read as {}", options.input, format));
+  if (format != "table" && (!options.table_options.columns.empty() || options.radius != 0.0 || !options.beads.empty()))
+    fail_usage(fmt::format("--columns, --radius and --beads are for tables; {} is read as {}", options.input, format));
+  const bool beads = format == "cellpack" || !options.beads.empty();
+  if (options.blend && !beads) fail_usage("--blend is for beads: results of cellPACK, and tables with --beads");
+  if (options.jiggle != 0.0 && !options.blend) fail_usage("--jiggle moves blobs; --blend makes them");
+  if (!options.kinds.empty() && format == "molecule") fail_usage("--kinds is for tables and results of cellPACK");
   if (format != "molecule" && !options.assembly.empty()) fail_usage("--assembly is for molecules");
   if (options.assembly == "list") return list_assemblies(options, context);
   if (options.prefix.empty()) fail_usage("-o PREFIX is needed: where the files' names begin");
@@ -337,9 +434,25 @@ void add_seeds(CLI::App& app, Invocation& invocation) {
       .add_option("--columns", options->table_options.columns,
                   "Names of a table's columns instead of its own: x,y,z,kind")
       ->type_name("NAMES");
-  command.add_option("--radius", options->radius, "Half the edge of a placement's cube, for a table without scales")
+  command
+      .add_option("--radius", options->radius,
+                  "Half the edge of a placement's cube, for a table without scales; with --beads, the radius of a bead")
       ->check(CLI::PositiveNumber)
       ->type_name("R");
+  command
+      .add_option("--beads", options->beads,
+                  "A second table: the beads of each kind, as x y z kind, and radius if they have any")
+      ->type_name("FILE");
+  command.add_option("--kinds", options->kinds, "A table kind,name,rgb,radius: what kinds are called, their colours (#e6801a), radii of beads")
+      ->type_name("FILE");
+  command.add_flag("--blend", options->blend,
+                   fmt::format("Blend the beads of a thing into one smooth body, where they are at most {}",
+                               authoring::max_blended_beads));
+  command
+      .add_option("--jiggle", options->jiggle,
+                  "Thermal motion of blended bodies with t: how far, in units of the file (A)")
+      ->check(CLI::PositiveNumber)
+      ->type_name("A");
   add_common_options(command, invocation.context);
   command.footer(
       "The molecule fills the standard cube; 0.9 in a seed's cube is the van der Waals radius. Of several models, and\n"
@@ -347,8 +460,14 @@ void add_seeds(CLI::App& app, Invocation& invocation) {
       "A table's first row names its columns: x y z; a rotation as qw qx qy qz, as some of rx ry rz (degrees, Rz Ry Rx) or as\n"
       "m00 to m22 (row, column; from m11 to m33 too); scale or sx sy sz; kind. Others are left out. '#' begins a "
       "comment.\n"
+      "Files packed by gzip are unpacked, up to 1 GiB.\n"
       "Examples: dmvv seeds 2hhb.pdb -o haemoglobin --voml\n"
-      "          dmvv seeds grains.csv -o grains --voml");
+      "          dmvv seeds 1m4x.pdb.gz --assembly 1 -o capsid --voml\n"
+      "          dmvv seeds grains.csv -o grains --voml\n"
+      "          dmvv seeds virion.cpr -o virion --voml --blend --jiggle 3 --kinds colours.csv\n"
+      "          dmvv seeds instances.tsv.gz --beads beads.tsv.gz -o cell --voml\n"
+      "A scene of placements fills no face of the standard cube: draw it with --cut \"0 0 1 0\", or make a support mesh\n"
+      "of it by dmvv mesh.");
   command.callback([&invocation, options] {
     invocation.command = [options](Context& context) { return seeds(*options, context); };
   });

@@ -1,6 +1,8 @@
 // dmvv seeds: from a molecule's file to seed files and a scene.
 #include <doctest/doctest.h>
 
+#include <zlib.h>
+
 #include <algorithm>
 
 #include "tests/cli/program.h"
@@ -15,6 +17,29 @@ const char* const carbonyl =
     "ATOM      2  O   GLY A   1      12.000   0.000   0.000  1.00 20.00           O  \n"
     "HETATM    3  O   HOH A   2      40.000   0.000   0.000  1.00 20.00           O  \n"
     "END\n";
+
+// Two ingredients in two compartments. A turns x to y at (10, 0, 0): its bead (1, 0, 0) comes to (10, 1, 0).
+const char* const packing = R"({"recipe": {"name": "two"}, "compartments": {
+  "shell": {"surface": {"ingredients": {"A b": {"results": [[[10, 0, 0], [0.7071067811865476, 0, 0, 0.7071067811865476]],
+                                                            [[-10, 0, 0], [1, 0, 0, 0]]],
+                                        "positions": [[[1, 0, 0], [3, 0, 0]]], "radii": [[2, 1.5]]}}}},
+  "core": {"interior": {"ingredients": {"C": {"results": [[[0, 0, 0], [1, 0, 0, 0]]], "positions": [[[0, 0, 0]]],
+                                              "radii": [[3]]},
+                                        "none": {"results": []}}}}}})";
+
+std::string gzip(const std::string& text) {
+  z_stream stream{};
+  REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY) == Z_OK);
+  std::string result(deflateBound(&stream, static_cast<uLong>(text.size())), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+  stream.avail_in = static_cast<uInt>(text.size());
+  stream.next_out = reinterpret_cast<Bytef*>(result.data());
+  stream.avail_out = static_cast<uInt>(result.size());
+  REQUIRE(deflate(&stream, Z_FINISH) == Z_STREAM_END);
+  result.resize(stream.total_out);
+  deflateEnd(&stream);
+  return result;
+}
 
 }  // namespace
 
@@ -114,4 +139,74 @@ TEST_CASE("--assembly: the unit embedded once an operator, a list of assemblies,
   const Run unknown = run_dmvv({"seeds", pdb, "-o", folder.file("b"), "--assembly", "9"});
   CHECK(unknown.exit_code == 1);
   CHECK(unknown.err.find("co.pdb: error[E0563]: there is no assembly '9'") != std::string::npos);
+}
+
+TEST_CASE("a result of cellPACK: beads, placements, and the region of each ingredient where its bead is") {
+  const Folder folder;
+  const std::string json = folder.write("two.json", packing);
+  const Run run = run_dmvv({"seeds", json, "-o", folder.file("two"), "--voml"});
+  CAPTURE(run.err);
+  REQUIRE(run.exit_code == 0);
+  CHECK(run.err.empty());
+  CHECK(run.out.find("3 placements of 2 ingredients with 3 beads\n") != std::string::npos);
+  // Along x from -10 + 1 - 2 to 10 + 2, the longest side: half of 23 is 0.95 units.
+  CHECK(run.out.find("1 unit = 12.11 A, the middle is 0.500 0.750 0.000\n") != std::string::npos);
+  const std::string rotates = folder.read("two_A_b_rotate.txt");
+  CHECK(rotates.find(" 90.0000000\n") != std::string::npos);
+  CHECK(std::count(rotates.begin(), rotates.end(), '\n') == 2);
+  const std::string beads = folder.read("two_A_b_bead.txt");
+  CHECK(std::count(beads.begin(), beads.end(), '\n') == 2);
+  const Run check = run_dmvv({"check", "--strict", folder.file("two.voml")});
+  CAPTURE(check.err);
+  CHECK(check.exit_code == 0);
+  // y reaches from -3 (C) to 3 + 1.5 + 1 (A turned).
+  const auto region_at = [&](const std::string& scene, const std::string& point, const std::string& root = "ALL") {
+    return run_dmvv({"probe", folder.file(scene), "--root", root, "--backend", "reference", "--json", "--point", point}).out;
+  };
+  const std::string at_c = "-0.0413 -0.0206 0", at_a = "0.7845 0.0619 0";  // (0, 0.5, 0), (10, 1.5, 0)
+  CHECK(region_at("two.voml", at_c).find("/C:R.BEADS\"") != std::string::npos);
+  CHECK(region_at("two.voml", at_a).find("/A_b:R.BEADS\"") != std::string::npos);
+  CHECK(region_at("two.voml", "0.4 0 0").find("\"path\":null") != std::string::npos);
+  CHECK(region_at("two.voml", "0.4 0 0", "FILLED").find("R.BETWEEN") != std::string::npos);
+
+  // Blended, coloured by a table, moving, from a packed file.
+  const std::string kinds = folder.write("kinds.csv", "kind,name,rgb\nA b,SPIKE,#ff0000\n");
+  const Run blended = run_dmvv({"seeds", folder.write("two.json.gz", gzip(packing)), "-o", folder.file("b"), "--voml", "--blend",
+                                "--jiggle", "0.5", "--kinds", kinds});
+  CAPTURE(blended.err);
+  REQUIRE(blended.exit_code == 0);
+  CHECK(region_at("b.voml", "0.77 0.03 0").find("/SPIKE:R.SPIKE\",\"region\":\"R.SPIKE\",\"rgb\":[1,0,0]") != std::string::npos);
+  CHECK(run_dmvv({"check", "--strict", folder.file("b.voml")}).exit_code == 0);
+  CHECK_FALSE(std::ranges::count(folder.listing(), std::string("b_SPIKE_bead.txt")));  // the beads are in the function
+
+  const Run fault = run_dmvv({"seeds", folder.write("bad.cpr", "{\n\"a\": x}"), "-o", folder.file("f")});
+  CHECK(fault.exit_code == 1);
+  CHECK(fault.err.find("bad.cpr:2:6: error[E0568]") != std::string::npos);
+  const Run cut = run_dmvv({"seeds", folder.write("cut.json.gz", gzip(packing).substr(0, 60)), "-o", folder.file("f")});
+  CHECK(cut.exit_code == 1);
+  CHECK(cut.err.find("cut.json.gz: the compressed data ends too soon at byte 60") != std::string::npos);
+  CHECK(run_dmvv({"seeds", json, "-o", folder.file("f"), "--jiggle", "1"}).exit_code == 2);
+  CHECK(run_dmvv({"seeds", json, "-o", folder.file("f"), "--beads", kinds}).exit_code == 2);
+}
+
+TEST_CASE("--beads: a table of beads beside one of placements; kinds without beads are named") {
+  const Folder folder;
+  const std::string placed = folder.write("placed.tsv.gz", gzip("entity\tt1\tt2\tt3\n7\t-10\t0\t0\n7\t10\t0\t0\n8\t0\t0\t0\n"));
+  const std::string beads = folder.write("beads.tsv", "entity\tx\ty\tz\n7\t-1\t0\t0\n7\t1\t0\t0\n8\t0\t0\t0\n9\t0\t0\t0\n");
+  const Run run = run_dmvv({"seeds", placed, "--beads", beads, "-o", folder.file("cell"), "--voml"});
+  CAPTURE(run.err);
+  REQUIRE(run.exit_code == 0);
+  CHECK(run.out.find("3 placements of 2 ingredients with 3 beads\n") != std::string::npos);
+  // Radii 0.866 * 2: from -12.732 to 12.732.
+  CHECK(run.out.find("1 unit = 13.4 A, the middle is 0.000 0.000 0.000\n") != std::string::npos);
+  CHECK(run.out.find("left out: 1 kind with beads that stand nowhere") != std::string::npos);
+  CHECK(run.out.find("no radii: each is 0.866 of the median distance") != std::string::npos);
+  CHECK(run_dmvv({"check", "--strict", folder.file("cell.voml")}).exit_code == 0);
+  const Run given = run_dmvv({"seeds", placed, "--beads", beads, "--radius", "1", "-o", folder.file("r")});
+  CHECK(given.out.find("1 unit = 12.63 A") != std::string::npos);  // 12 / 0.95
+  const std::string few = folder.write("few.tsv", "entity\tx\ty\tz\n7\t-1\t0\t0\n");
+  const Run fault = run_dmvv({"seeds", placed, "--beads", few, "-o", folder.file("f")});
+  CHECK(fault.exit_code == 1);
+  CHECK(fault.err.find("few.tsv: error[E0566]: there is no bead of 1 of the kinds that are placed, the first is '8'") !=
+        std::string::npos);
 }

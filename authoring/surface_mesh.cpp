@@ -1,0 +1,255 @@
+#include "authoring/surface_mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <unordered_map>
+
+namespace dmvv::authoring {
+namespace {
+
+using glm::dvec3;
+using glm::ivec3;
+
+constexpr int block_cells = 4;
+constexpr int bisections = 9;
+constexpr std::size_t batch_points = std::size_t{1} << 18;
+
+enum Side : char { outside = 0, inside_it = 1, unknown = 2 };
+
+/// Nodes of the grid, with a layer round the cube that is outside.
+class Nodes {
+ public:
+  Nodes(const InsideTest& inside, int resolution)
+      : inside_(inside),
+        resolution_(resolution),
+        edge_(resolution + 3),
+        sides_(static_cast<std::size_t>(edge_) * static_cast<std::size_t>(edge_) * static_cast<std::size_t>(edge_),
+               char{unknown}) {}
+
+  int edge() const { return edge_; }
+  std::size_t index(const ivec3& node) const {
+    return (static_cast<std::size_t>(node.z) * static_cast<std::size_t>(edge_) + static_cast<std::size_t>(node.y)) *
+               static_cast<std::size_t>(edge_) +
+           static_cast<std::size_t>(node.x);
+  }
+  dvec3 position(const ivec3& node) const { return dvec3(node - 1) * (2.0 / resolution_) - 1.0; }
+  char side(const ivec3& node) const { return sides_[index(node)]; }
+
+  void want(const ivec3& node) {
+    char& side = sides_[index(node)];
+    if (side != unknown) return;
+    side = outside;  // so that it is wanted once
+    if (glm::any(glm::lessThan(node, ivec3(1))) || glm::any(glm::greaterThan(node, ivec3(resolution_ + 1)))) return;
+    wanted_.push_back(node);
+  }
+
+  /// Asks for all that is wanted.
+  Result<void> ask() {
+    std::vector<dvec3> points;
+    for (std::size_t begin = 0; begin < wanted_.size(); begin += batch_points) {
+      const std::size_t end = std::min(begin + batch_points, wanted_.size());
+      points.clear();
+      for (std::size_t i = begin; i < end; ++i) points.push_back(position(wanted_[i]));
+      const auto answers = inside_(points);
+      if (!answers) return tl::unexpected<Error>(answers.error());
+      for (std::size_t i = begin; i < end; ++i) sides_[index(wanted_[i])] = (*answers)[i - begin];
+    }
+    wanted_.clear();
+    return {};
+  }
+
+ private:
+  const InsideTest& inside_;
+  int resolution_, edge_;
+  std::vector<char> sides_;
+  std::vector<ivec3> wanted_;
+};
+
+/// Cubes of cells, of which those that the surface passes are known node by node.
+class Blocks {
+ public:
+  explicit Blocks(Nodes& nodes)
+      : nodes_(nodes),
+        count_((nodes.edge() - 2) / block_cells + 1),
+        known_(static_cast<std::size_t>(count_) * static_cast<std::size_t>(count_) * static_cast<std::size_t>(count_),
+               0) {}
+
+  Result<void> find() {
+    const ivec3 all(count_);
+    each(ivec3(0), all, [&](const ivec3& b) {
+      each(ivec3(0), ivec3(2), [&](const ivec3& corner) { nodes_.want(node(b + corner)); });
+    });
+    if (auto asked = nodes_.ask(); !asked) return asked;
+    std::vector<ivec3> wave, next;
+    each(ivec3(0), all, [&](const ivec3& b) {
+      if (mixed(b, b + 1, true)) enter(b, wave);
+    });
+    while (!wave.empty()) {
+      for (const ivec3& b : wave) each(node(b), node(b + 1) + 1, [&](const ivec3& n) { nodes_.want(n); });
+      if (auto asked = nodes_.ask(); !asked) return asked;
+      next.clear();
+      for (const ivec3& b : wave) {
+        found.push_back(b);
+        for (int axis = 0; axis < 3; ++axis) {
+          for (int way = 0; way < 2; ++way) {
+            ivec3 lo = b, hi = b + 1, beside = b;
+            (way == 0 ? hi : lo)[axis] = (way == 0 ? lo : hi)[axis];
+            beside[axis] += way == 0 ? -1 : 1;
+            if (beside[axis] >= 0 && beside[axis] < count_ && mixed(lo, hi, false)) enter(beside, next);
+          }
+        }
+      }
+      std::swap(wave, next);
+    }
+    return {};
+  }
+
+  ivec3 node(const ivec3& block) const { return glm::min(block * block_cells, ivec3(nodes_.edge() - 1)); }
+
+  /// What each(lo, hi, visit) visits: lo <= at < hi, x fastest.
+  template <class Visit>
+  static void each(const ivec3& lo, const ivec3& hi, Visit visit) {
+    for (ivec3 at = lo; at.z < hi.z; ++at.z)
+      for (at.y = lo.y; at.y < hi.y; ++at.y)
+        for (at.x = lo.x; at.x < hi.x; ++at.x) visit(at);
+  }
+
+  std::vector<ivec3> found;
+
+ private:
+  /// Whether nodes from block lo to block hi, both ends included, lie on both sides; of their corners alone, or of all.
+  bool mixed(const ivec3& lo, const ivec3& hi, bool corners) const {
+    bool any[2] = {false, false};
+    if (corners) {
+      each(ivec3(0), ivec3(2), [&](const ivec3& c) { any[static_cast<int>(nodes_.side(node(lo + c)))] = true; });
+    } else {
+      each(node(lo), node(hi) + 1, [&](const ivec3& n) { any[static_cast<int>(nodes_.side(n))] = true; });
+    }
+    return any[0] && any[1];
+  }
+
+  void enter(const ivec3& b, std::vector<ivec3>& wave) {
+    char& known =
+        known_[(static_cast<std::size_t>(b.z) * static_cast<std::size_t>(count_) + static_cast<std::size_t>(b.y)) *
+                   static_cast<std::size_t>(count_) +
+               static_cast<std::size_t>(b.x)];
+    if (known) return;
+    known = 1;
+    wave.push_back(b);
+  }
+
+  Nodes& nodes_;
+  int count_;
+  std::vector<char> known_;
+};
+
+/// The triangles of the tetrahedra that the surface passes, over crossings of their edges.
+class Crossings {
+ public:
+  explicit Crossings(const Nodes& nodes) : nodes_(nodes) {}
+
+  void add_cell(const ivec3& cell) {
+    static constexpr int ways[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {1, 0, 2}, {2, 1, 0}};
+    char sides = 0;
+    Blocks::each(cell, cell + 2,
+                 [&](const ivec3& n) { sides = static_cast<char>(sides | (nodes_.side(n) == inside_it ? 1 : 2)); });
+    if (sides != 3) return;
+    for (const auto& way : ways) {
+      std::array<ivec3, 4> corners{cell, cell, cell, cell + 1};
+      ++corners[1][way[0]];
+      corners[2] = corners[1];
+      ++corners[2][way[1]];
+      add_tetrahedron(corners);
+    }
+  }
+
+  /// Moves every crossing to the boundary; it stays inside.
+  Result<void> bisect(const InsideTest& inside) {
+    std::vector<dvec3> points;
+    for (std::size_t begin = 0; begin < ends_.size(); begin += batch_points) {
+      const std::size_t end = std::min(begin + batch_points, ends_.size());
+      for (int round = 0; round < bisections; ++round) {
+        points.clear();
+        for (std::size_t i = begin; i < end; ++i) points.push_back(0.5 * (ends_[i].in + ends_[i].out));
+        const auto answers = inside(points);
+        if (!answers) return tl::unexpected<Error>(answers.error());
+        for (std::size_t i = begin; i < end; ++i)
+          ((*answers)[i - begin] ? ends_[i].in : ends_[i].out) = points[i - begin];
+      }
+    }
+    return {};
+  }
+
+  voml::Mesh mesh() && {
+    voml::Mesh result;
+    result.positions.reserve(ends_.size());
+    for (const Ends& ends : ends_) result.positions.push_back(ends.in);
+    result.triangles = std::move(triangles_);
+    return result;
+  }
+
+ private:
+  struct Ends {
+    dvec3 in, out;
+  };
+
+  void add_tetrahedron(const std::array<ivec3, 4>& corners) {
+    std::array<ivec3, 4> in, out;
+    std::size_t ins = 0, outs = 0;
+    for (const ivec3& corner : corners) nodes_.side(corner) == inside_it ? in[ins++] = corner : out[outs++] = corner;
+    if (ins == 1) add_triangle({in[0], in[0], in[0]}, {out[0], out[1], out[2]});
+    if (ins == 3) add_triangle({in[0], in[1], in[2]}, {out[0], out[0], out[0]});
+    if (ins != 2) return;
+    add_triangle({in[0], in[0], in[1]}, {out[0], out[1], out[1]});
+    add_triangle({in[0], in[1], in[1]}, {out[0], out[1], out[0]});
+  }
+
+  /// Corner i is where the surface crosses the edge from in[i] to out[i].
+  void add_triangle(const std::array<ivec3, 3>& in, const std::array<ivec3, 3>& out) {
+    const auto middle = [&](std::size_t i) { return dvec3(in[i] + out[i]); };
+    const dvec3 normal = glm::cross(middle(1) - middle(0), middle(2) - middle(0));
+    const dvec3 outward = dvec3(out[0] + out[1] + out[2]) - dvec3(in[0] + in[1] + in[2]);
+    const bool turned = glm::dot(normal, outward) < 0.0;
+    const std::uint32_t a = vertex(in[0], out[0]), b = vertex(in[1], out[1]), c = vertex(in[2], out[2]);
+    triangles_.push_back(turned ? glm::uvec3(a, c, b) : glm::uvec3(a, b, c));
+  }
+
+  std::uint32_t vertex(const ivec3& in, const ivec3& out) {
+    const ivec3 lo = glm::min(in, out), along = glm::max(in, out) - lo;
+    const std::size_t edge = nodes_.index(lo) * 8 + static_cast<std::size_t>(along.x + 2 * along.y + 4 * along.z);
+    const auto [place, is_new] = vertex_of_.try_emplace(edge, static_cast<std::uint32_t>(ends_.size()));
+    if (is_new) ends_.push_back({nodes_.position(in), nodes_.position(out)});
+    return place->second;
+  }
+
+  const Nodes& nodes_;
+  std::unordered_map<std::size_t, std::uint32_t> vertex_of_;
+  std::vector<Ends> ends_;
+  std::vector<glm::uvec3> triangles_;
+};
+
+}  // namespace
+
+Result<voml::Mesh> surface_mesh(const InsideTest& inside, const SurfaceOptions& options) {
+  if (options.resolution < 8 || options.resolution > max_surface_resolution) {
+    return fail(Fault::input, fmt::format("the resolution is {}; it must be from 8 to {}", options.resolution,
+                                          max_surface_resolution));
+  }
+  // Step 1: nodes on both sides of the surface.
+  Nodes nodes(inside, static_cast<int>(options.resolution));
+  Blocks blocks(nodes);
+  if (const auto found = blocks.find(); !found) return tl::unexpected<Error>(found.error());
+  // Step 2: the triangles between them.
+  Crossings crossings(nodes);
+  for (const ivec3& block : blocks.found)
+    Blocks::each(blocks.node(block), blocks.node(block + 1), [&](const ivec3& cell) { crossings.add_cell(cell); });
+  // Step 3: their corners, moved to the boundary.
+  if (const auto moved = crossings.bisect(inside); !moved) return tl::unexpected<Error>(moved.error());
+  return std::move(crossings).mesh();
+}
+
+}  // namespace dmvv::authoring

@@ -1,0 +1,55 @@
+// dmvv mesh: a support mesh of a scene's own surface; and the word about pictures that would be blank without one.
+#include <doctest/doctest.h>
+
+#include "tests/cli/program.h"
+
+using namespace dmvv::test;
+
+namespace {
+
+// A ball of radius 0.5 at (0.2, 0, 0) in an empty cube.
+const char* const ball = R"(<MVV><OBJECT name="A">
+  <SDF name="S" function="true">return length(p - vec3(0.2, 0.0, 0.0)) - 0.5;</SDF>
+  <REGION name="R" type="color" rgb="1 0 0"/>
+</OBJECT></MVV>)";
+
+}  // namespace
+
+TEST_CASE("a picture that shows nothing says so; a mesh of the scene shows it") {
+  const Folder folder;
+  const std::string scene = folder.write("ball.voml", ball);
+  const Run blank = run_dmvv({"render", scene, "-o", folder.file("a.png"), "--size", "40x30"});
+  CHECK(blank.exit_code == 0);
+  CHECK(blank.err.find(
+            "the picture is blank: nothing of the scene lies on what is seen of the standard cube; cut it open") !=
+        std::string::npos);
+  CHECK(run_dmvv({"render", scene, "-o", folder.file("a.png"), "--size", "40x30", "--cut", "0 0 1 0"}).err.empty());
+  const Run slice = run_dmvv({"render", scene, "-o", folder.file("a.png"), "--size", "40x30", "--slice", "z=0.9"});
+  CHECK(slice.err.find("blank: nothing of the scene lies in that plane") != std::string::npos);
+  CHECK(run_dmvv({"render", scene, "-o", folder.file("a.png"), "--size", "40x30", "--quiet"}).err.empty());
+
+  const std::string mesh = folder.file("ball.ply");
+  const Run made = run_dmvv({"mesh", scene, "-o", mesh, "--resolution", "40"});
+  CAPTURE(made.err);
+  REQUIRE(made.exit_code == 0);
+  CHECK(made.out.find(" triangles, from -0.300 -0.500 -0.500 to 0.700 0.500 0.500, ") != std::string::npos);
+  const std::string bytes = folder.read("ball.ply");
+  const Run seen =
+      run_dmvv({"render", scene, "-o", folder.file("a.png"), "--size", "40x30", "--mesh", mesh, "--cut", "1 0 0 0.2"});
+  CHECK(seen.exit_code == 0);
+  CHECK(seen.err.empty());  // neither blank, nor open edges
+  CHECK(run_dmvv({"mesh", scene, "-o", mesh, "--resolution", "40", "--quiet"}).out.empty());
+  CHECK(folder.read("ball.ply") == bytes);
+}
+
+TEST_CASE("a mesh of nothing, wrong resolutions, wrong endings: no file") {
+  const Folder folder;
+  const std::string nothing =
+      folder.write("n.voml", "<MVV><OBJECT name='A'><REGION name='R' type='empty'/></OBJECT></MVV>");
+  const Run run = run_dmvv({"mesh", nothing, "-o", folder.file("n.ply"), "--resolution", "16"});
+  CHECK(run.exit_code == 1);
+  CHECK(run.err.find("is empty at every point that was looked at") != std::string::npos);
+  CHECK(run_dmvv({"mesh", nothing, "-o", folder.file("n.obj")}).exit_code == 1);
+  CHECK(run_dmvv({"mesh", nothing, "-o", folder.file("n.ply"), "--resolution", "4"}).exit_code == 2);
+  CHECK(folder.listing().size() == 1);
+}

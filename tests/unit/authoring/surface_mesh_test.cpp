@@ -1,0 +1,77 @@
+// Surfaces of what can say where it is: closed, in place, complete.
+#include "authoring/surface_mesh.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <functional>
+#include <glm/geometric.hpp>
+
+using namespace dmvv;
+using namespace dmvv::authoring;
+
+namespace {
+
+InsideTest test_of(const std::function<double(const glm::dvec3&)>& distance) {
+  return [distance](std::span<const glm::dvec3> points) -> Result<std::vector<char>> {
+    std::vector<char> result;
+    for (const glm::dvec3& p : points) {
+      const bool in_cube = std::abs(p.x) <= 1.0 && std::abs(p.y) <= 1.0 && std::abs(p.z) <= 1.0;
+      result.push_back(in_cube && distance(p) <= 0.0 ? 1 : 0);
+    }
+    return result;
+  };
+}
+
+double volume(const voml::Mesh& mesh) {
+  double sum = 0.0;
+  for (const glm::uvec3& t : mesh.triangles)
+    sum += glm::dot(mesh.positions[t.x], glm::cross(mesh.positions[t.y], mesh.positions[t.z])) / 6.0;
+  return sum;
+}
+
+constexpr double pi = 3.14159265358979323846;
+
+}  // namespace
+
+TEST_CASE("a ball: closed, its corners within and near the surface, its volume") {
+  const auto ball = [](const glm::dvec3& p) { return glm::length(p - glm::dvec3(0.1, -0.05, 0.2)) - 0.7; };
+  const auto mesh = surface_mesh(test_of(ball), {48}).value();
+  CHECK(voml::count_open_edges(mesh) == 0);
+  for (const glm::dvec3& p : mesh.positions) {
+    CHECK(ball(p) <= 0.0);
+    CHECK(ball(p) > -2.0 / 48 / 100);
+  }
+  // Outward, and smaller than the ball by what chords of half a cell's edge leave out.
+  CHECK(volume(mesh) == doctest::Approx(4.0 / 3.0 * pi * 0.343).epsilon(0.005));
+}
+
+TEST_CASE("what meets the cube is closed by its faces; the whole cube is the cube") {
+  const auto half = surface_mesh(test_of([](const glm::dvec3& p) { return p.x + p.y - 0.123; }), {24}).value();
+  CHECK(voml::count_open_edges(half) == 0);
+  CHECK(volume(half) == doctest::Approx(4.0 + 2.0 * 0.246 - 0.123 * 0.123).epsilon(0.01));
+  const auto cube = surface_mesh(test_of([](const glm::dvec3&) { return -1.0; }), {9}).value();
+  CHECK(voml::count_open_edges(cube) == 0);
+  CHECK(volume(cube) == doctest::Approx(8.0).epsilon(0.02));
+}
+
+TEST_CASE("a thin rod that leaves a ball is followed to its end, though large cells miss it") {
+  const auto shape = [](const glm::dvec3& p) {
+    const double ball = glm::length(p + glm::dvec3(0.6, 0.1, 0.1)) - 0.3;
+    const glm::dvec3 q(std::max(std::abs(p.x) - 0.83, 0.0), p.y + 0.11, p.z + 0.13);
+    return std::min(ball, glm::length(q) - 0.05);
+  };
+  const auto mesh = surface_mesh(test_of(shape), {64}).value();
+  CHECK(voml::count_open_edges(mesh) == 0);
+  CHECK(voml::bounds(mesh).hi.x == doctest::Approx(0.88).epsilon(0.005));
+}
+
+TEST_CASE("nothing, a resolution out of range, a test that fails") {
+  CHECK(surface_mesh(test_of([](const glm::dvec3&) { return 1.0; }), {16}).value().triangles.empty());
+  CHECK(surface_mesh(test_of([](const glm::dvec3&) { return 1.0; }), {7}).error().fault == Fault::input);
+  CHECK_FALSE(surface_mesh(test_of([](const glm::dvec3&) { return 1.0; }), {max_surface_resolution + 1}));
+  const InsideTest broken = [](std::span<const glm::dvec3>) -> Result<std::vector<char>> {
+    return fail(Fault::environment, "out of order");
+  };
+  CHECK(surface_mesh(broken, {16}).error().message == "out of order");
+}
