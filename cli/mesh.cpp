@@ -49,7 +49,7 @@ int mesh(const MeshOptions& options, Context& context) {
                fmt::format("'{}' is empty at every point that was looked at", options.scene.path),
                {"a finer --resolution finds smaller things"}});
   }
-  if (const int exit_code = exit_code_of(device); exit_code != exit_done) return exit_code;
+  if (const int exit_code = exit_code_of(device.validation_messages()); exit_code != exit_done) return exit_code;
   outputs.write_bytes(options.mesh, write_ply(surface));
   outputs.commit();
   context.stopwatch.lap("write");

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "examples/orange/noise.h"
+#include "examples/noise.h"
 #include "voml/files.h"
 #include "voml/grid.h"
 
@@ -37,7 +37,7 @@ std::string marrow() {
     double radius;
   };
   std::vector<Ball> balls;
-  orange::Random random(11);
+  assets::Random random(11);
   for (int i = 0; i < 48; ++i) {
     const dvec3 centre = random.uniform3(0.0, 1.0);
     balls.push_back({centre, random.uniform(0.10, 0.19)});

@@ -20,9 +20,7 @@ TEST_CASE("a picture that shows nothing says so; a mesh of the scene shows it") 
   const std::string scene = folder.write("ball.voml", ball);
   const Run blank = run_dmvv({"render", scene, "-o", folder.file("a.png"), "--size", "40x30"});
   CHECK(blank.exit_code == 0);
-  CHECK(blank.err.find(
-            "the picture is blank: nothing of the scene lies on what is seen of the standard cube; cut it open") !=
-        std::string::npos);
+  CHECK(blank.err.find("nothing to see: the scene is empty wherever the standard cube is seen; cut it open") != std::string::npos);
   CHECK(run_dmvv({"render", scene, "-o", folder.file("a.png"), "--size", "40x30", "--cut", "0 0 1 0"}).err.empty());
   const Run slice = run_dmvv({"render", scene, "-o", folder.file("a.png"), "--size", "40x30", "--slice", "z=0.9"});
   CHECK(slice.err.find("blank: nothing of the scene lies in that plane") != std::string::npos);
