@@ -23,7 +23,7 @@ TEST_CASE("a picture that shows nothing says so; a mesh of the scene shows it") 
   CHECK(blank.err.find("nothing to see: the scene is empty wherever the standard cube is seen; cut it open") != std::string::npos);
   CHECK(run_dmvv({"render", scene, "-o", folder.file("a.png"), "--size", "40x30", "--cut", "0 0 1 0"}).err.empty());
   const Run slice = run_dmvv({"render", scene, "-o", folder.file("a.png"), "--size", "40x30", "--slice", "z=0.9"});
-  CHECK(slice.err.find("blank: nothing of the scene lies in that plane") != std::string::npos);
+  CHECK(slice.err.find("nothing to see: the scene is empty on this section") != std::string::npos);
   CHECK(run_dmvv({"render", scene, "-o", folder.file("a.png"), "--size", "40x30", "--quiet"}).err.empty());
 
   const std::string mesh = folder.file("ball.ply");
