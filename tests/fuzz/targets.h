@@ -19,6 +19,8 @@ void run_bitmap(std::string_view bytes);
 void run_mesh(std::string_view bytes);
 void run_snippet(std::string_view bytes);
 void run_molecule(std::string_view bytes);
+void run_table(std::string_view bytes);
+void run_cellpack(std::string_view bytes);
 
 struct Target {
   std::string_view name;
@@ -26,7 +28,7 @@ struct Target {
 };
 inline constexpr Target targets[] = {{"voml", run_voml},        {"lxn", run_lxn},   {"vectors", run_vectors},
                                      {"bitmap", run_bitmap},    {"mesh", run_mesh}, {"snippet", run_snippet},
-                                     {"molecule", run_molecule}};
+                                     {"molecule", run_molecule}, {"table", run_table}, {"cellpack", run_cellpack}};
 
 /// Ends the process if `holds` is false: a finding.
 inline void must(bool holds, const char* what) {
