@@ -4,11 +4,11 @@ include(CMakePackageConfigHelpers)
 # The contracts only; what a stage keeps to itself is not installed.
 set(DMVV_PUBLIC_HEADERS
   authoring/distance_grid.h authoring/molecule.h
-  compiler/affine.h compiler/code_cache.h compiler/compile.h compiler/module.h compiler/program.h compiler/reference.h
-  compiler/lint.h compiler/snippet/snippet.h
+  compiler/affine.h compiler/code_cache.h compiler/compile.h compiler/explanation.h compiler/inventory.h compiler/lint.h
+  compiler/module.h compiler/program.h compiler/reference.h compiler/snippet/snippet.h
   runtime/disk_cache.h runtime/runtime.h runtime/view.h
   shaders/records.h
-  voml/diagnostic_codes.def voml/diagnostics.h voml/files.h voml/grid.h voml/id.h voml/mesh.h voml/result.h voml/scene.h)
+  voml/diagnostic_codes.def voml/diagnostics.h voml/files.h voml/format.h voml/grid.h voml/id.h voml/mesh.h voml/result.h voml/scene.h)
 foreach(header IN LISTS DMVV_PUBLIC_HEADERS)
   cmake_path(GET header PARENT_PATH folder)
   install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/dmvv/${folder})

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <pugixml.hpp>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "voml/attributes.h"
@@ -42,8 +43,20 @@ class Layout {
     return document_.load_buffer_inplace(buffer_.data(), buffer_.size(), raw, pugi::encoding_utf8);
   }
 
+  /// Without recursion, as trees may be thousands of elements deep.
   std::string print() {
-    print_children(document_, 0);
+    open_.push_back({document_, core_of(document_), document_.first_child()});
+    while (!open_.empty()) {
+      Open& open = open_.back();
+      if (open.next) {
+        const pugi::xml_node child = open.next;
+        open.next = child.next_sibling();
+        print_child(open, child);
+      } else {
+        finish(open);
+        open_.pop_back();
+      }
+    }
     out_.erase(0, out_.find_first_not_of('\n'));
     return std::move(out_) + '\n';
   }
@@ -194,12 +207,6 @@ class Layout {
 
   // ---- elements on several lines ----
 
-  void print_element(pugi::xml_node element, std::size_t level) {
-    if (!open_element(element, indentation(level))) return;
-    if (print_children(element, level + 1)) new_line(level);
-    close_element(element);
-  }
-
   /// False if that was all of the element.
   bool open_element(pugi::xml_node element, std::size_t column) {
     if (print_flat(element, column)) return false;
@@ -214,38 +221,50 @@ class Layout {
   static std::size_t indentation(std::size_t level) { return 2 * std::min(level, deepest_indented_level); }
   void new_line(std::size_t level) { out_ += '\n' + std::string(indentation(level), ' '); }
 
-  /// Each child on a line of its own, but for what adjoins a text, and for comments that stand behind something. False if
-  /// a closing tag must follow at once.
-  bool print_children(pugi::xml_node parent, std::size_t level) {
-    const Core core = core_of(parent);
-    std::size_t line_ends = 0;  // since the last node
-    bool after_text = false, before_any = true, on_own_line = true;
-    for (pugi::xml_node child = parent.first_child(); child; child = child.next_sibling()) {
-      if (is_space(child)) {
-        line_ends += static_cast<std::size_t>(std::ranges::count(std::string_view(child.value()), '\n'));
-        continue;
-      }
-      if (child == core.first) {
-        // Blanks before a CDATA section are no text; those before other text are part of it.
-        if (!before_any && child.type() == pugi::node_cdata) separate(line_ends, level);
-        out_ += written(core);
-        after_text = core.last.type() == pugi::node_pcdata;
-        on_own_line = false;
-        child = core.last;
-      } else {
-        const bool stays = child.type() == pugi::node_comment && line_ends == 0 && parent.type() == pugi::node_element &&
-                           !has_line_end(bytes(child.value()));
-        if (stays && !after_text) out_ += ' ';
-        if (!stays && !after_text) separate(line_ends, level);
-        print_node(child, level);
-        after_text = false;
-        on_own_line = true;
-      }
-      before_any = false;
-      line_ends = 0;
+  /// The element, or document, whose children are being printed.
+  struct Open {
+    pugi::xml_node parent;
+    Core core;
+    pugi::xml_node next;
+    std::size_t line_ends = 0;  // since the last child
+    bool after_text = false;
+    bool before_any = true;
+    bool on_own_line = true;  // the closing tag
+  };
+
+  /// A child on a line of its own, but for what adjoins a text, and for comments that stand behind something.
+  void print_child(Open& open, pugi::xml_node child) {
+    const std::size_t level = open_.size() - 1;
+    if (is_space(child)) {
+      open.line_ends += static_cast<std::size_t>(std::ranges::count(std::string_view(child.value()), '\n'));
+      return;
     }
-    if (on_own_line && line_ends > 1 && parent.type() == pugi::node_element) out_ += '\n';
-    return on_own_line;
+    const std::size_t line_ends = std::exchange(open.line_ends, 0);
+    const bool before_any = std::exchange(open.before_any, false);
+    const bool after_text = std::exchange(open.after_text, false);
+    if (child == open.core.first) {
+      // Blanks before a CDATA section are no text; those before other text are part of it.
+      if (!before_any && child.type() == pugi::node_cdata) separate(line_ends, level);
+      out_ += written(open.core);
+      open.after_text = open.core.last.type() == pugi::node_pcdata;
+      open.on_own_line = false;
+      open.next = open.core.last.next_sibling();
+      return;
+    }
+    open.on_own_line = true;
+    const bool stays = child.type() == pugi::node_comment && line_ends == 0 &&
+                       open.parent.type() == pugi::node_element && !has_line_end(bytes(child.value()));
+    if (stays && !after_text) out_ += ' ';
+    if (!stays && !after_text) separate(line_ends, level);
+    if (child.type() != pugi::node_element) return print_leaf(child);
+    if (open_element(child, indentation(level))) open_.push_back({child, core_of(child), child.first_child()});
+  }
+
+  void finish(const Open& open) {
+    if (open.parent.type() != pugi::node_element) return;
+    if (open.on_own_line && open.line_ends > 1) out_ += '\n';
+    if (open.on_own_line) new_line(open_.size() - 2);
+    close_element(open.parent);
   }
 
   /// The next node stands on a line of its own, below an empty one if its author left one.
@@ -254,10 +273,8 @@ class Layout {
     new_line(level);
   }
 
-  void print_node(pugi::xml_node node, std::size_t level) {
+  void print_leaf(pugi::xml_node node) {
     switch (node.type()) {
-      case pugi::node_element:
-        return print_element(node, level);
       case pugi::node_comment:
         return print_comment(node);
       case pugi::node_declaration:
@@ -311,6 +328,7 @@ class Layout {
   std::string buffer_;  // pugixml parses in place
   pugi::xml_document document_;
   std::vector<std::size_t> line_ends_;
+  std::vector<Open> open_;
   std::string out_;
 };
 

@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 
 #include "tests/cli/program.h"
@@ -86,11 +87,13 @@ TEST_CASE("a link stays a link, permissions stay, read-only files are refused") 
   CHECK(folder.read("b.voml") == loose);
 }
 
-TEST_CASE("the examples, and every scene that dmvv writes, are in canonical layout") {
+TEST_CASE("the examples, the guide's files, and every scene that dmvv writes, are in canonical layout and valid by the schema") {
   const Folder folder;
   std::vector<std::string> command{"fmt", "--check"};
-  for (const auto& entry : fs::recursive_directory_iterator(fs::path(DMVV_SOURCE_DIR) / "examples")) {
-    if (entry.path().extension() == ".voml") command.push_back(entry.path().string());
+  for (const char* const part : {"examples", "spec/guide"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(DMVV_SOURCE_DIR) / part)) {
+      if (entry.path().extension() == ".voml") command.push_back(entry.path().string());
+    }
   }
   CHECK(command.size() >= 9);
   const auto make = [&](std::vector<std::string> arguments, const std::string& scene) {
@@ -118,4 +121,8 @@ TEST_CASE("the examples, and every scene that dmvv writes, are in canonical layo
   make({"seeds", packing, "-o", folder.file("p"), "--voml"}, "p.voml");
   const Run run = run_dmvv(command);
   CHECK_MESSAGE(run.exit_code == 0, run.out << run.err);
+  std::string xmllint = DMVV_XMLLINT " --noout --nonet --relaxng '" DMVV_SOURCE_DIR "/spec/voml.rng'";
+  for (std::size_t i = 2; i < command.size(); ++i) xmllint += " '" + command[i] + "'";
+  const std::string report = folder.file("report");
+  CHECK_MESSAGE(std::system((xmllint + " >'" + report + "' 2>&1").c_str()) == 0, read_file(report));
 }
