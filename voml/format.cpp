@@ -198,9 +198,9 @@ class Layout {
 
   /// The element on one line, if its author wrote it so and it fits.
   bool print_flat(pugi::xml_node element, std::size_t column) {
-    if (has_line_end({offset(element.name()), end_of_content(element)})) return false;
-    std::string flat;
+    std::string flat;  // first: what fits has few parts, so looking for its end costs little
     if (!append_flat(element, line_width - column, flat)) return false;
+    if (has_line_end({offset(element.name()), end_of_content(element)})) return false;
     out_ += flat;
     return true;
   }
