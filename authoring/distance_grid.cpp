@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 #include <new>
-#include <system_error>
-#include <thread>
 
+#include "authoring/slices.h"
 #include "authoring/triangle_tree.h"
 
 namespace dmvv::authoring {
@@ -80,11 +78,12 @@ double storable(double c, Round round) {
   return 2.0 * stored - 1.0;
 }
 
-/// The box around the mesh and its padding, made of cubic voxels within the cube.
-voml::Grid empty_grid(const voml::Bounds& box_of_mesh, const GridOptions& options) {
-  const double padding = options.padding * longest_side(box_of_mesh);
-  const glm::dvec3 lo = glm::max(box_of_mesh.lo - padding, -1.0), hi = glm::min(box_of_mesh.hi + padding, 1.0);
-  const double voxel = longest_side({lo, hi}) / options.resolution;
+}  // namespace
+
+voml::Grid empty_grid(const voml::Bounds& box, std::uint32_t resolution, double padding) {
+  const double border = padding * longest_side(box);
+  const glm::dvec3 lo = glm::max(box.lo - border, -1.0), hi = glm::min(box.hi + border, 1.0);
+  const double voxel = longest_side({lo, hi}) / resolution;
 
   voml::Grid grid;
   for (int axis = 0; axis < 3; ++axis) {
@@ -99,6 +98,8 @@ voml::Grid empty_grid(const voml::Bounds& box_of_mesh, const GridOptions& option
   return grid;
 }
 
+namespace {
+
 // ---- sampling ----
 
 /// Fills a grid slice by slice. Slices do not depend on each other, so any number of threads gives the same values.
@@ -108,7 +109,7 @@ class Sampler {
       : tree_(tree),
         closed_(closed),
         orientation_(tree.signed_volume() < 0.0 ? -1.0 : 1.0),
-        step_((grid.box_hi - grid.box_lo) / glm::dvec3(grid.size)),
+        step_(step_of(grid)),
         grid_(grid) {}
 
   void fill_slice(std::uint32_t z) {
@@ -165,38 +166,17 @@ class Sampler {
   voml::Grid& grid_;
 };
 
-void fill(Sampler& sampler, std::uint32_t slices, unsigned threads, const std::function<void(double)>& progress) {
-  std::atomic<std::uint32_t> next{0}, done{0};
-  const auto work = [&](const std::function<void(double)>& tell) {
-    for (std::uint32_t z = next++; z < slices; z = next++) {
-      sampler.fill_slice(z);
-      const std::uint32_t filled = ++done;
-      if (tell && filled < slices) tell(static_cast<double>(filled) / slices);
-    }
-  };
-  {
-    std::vector<std::jthread> others;
-    if (threads == 0) threads = std::thread::hardware_concurrency();
-    try {
-      while (others.size() + 1 < std::min(threads, slices)) others.emplace_back([&] { work({}); });
-    } catch (const std::system_error&) {
-      // The system gives no more threads: those there are do the work.
-    }
-    work(progress);  // only this thread reports
-  }
-  if (progress) progress(1.0);
-}
-
 }  // namespace
 
 Result<voml::Grid> distance_grid(const voml::Mesh& mesh, const GridOptions& options, GridReport& report,
-                                 const std::function<void(double done)>& progress) try {
+                                 const Progress& progress) try {
   const voml::Bounds mesh_box = voml::bounds(mesh);
   if (const Result<void> checked = check(mesh, mesh_box, options); !checked) {
     return tl::unexpected(checked.error());
   }
   const Placement cube_from_mesh = place(mesh_box, options);
-  voml::Grid grid = empty_grid({cube_from_mesh(mesh_box.lo), cube_from_mesh(mesh_box.hi)}, options);
+  voml::Grid grid =
+      empty_grid({cube_from_mesh(mesh_box.lo), cube_from_mesh(mesh_box.hi)}, options.resolution, options.padding);
 
   std::vector<Corners> triangles;
   triangles.reserve(mesh.triangles.size());
@@ -205,11 +185,13 @@ Result<voml::Grid> distance_grid(const voml::Mesh& mesh, const GridOptions& opti
                          cube_from_mesh(mesh.positions[t.z])});
   }
   const TriangleTree tree(triangles);
+  triangles = {};
   report = {voml::count_open_edges(mesh), cube_from_mesh.scale, cube_from_mesh.offset};
 
   grid.values.resize(std::size_t{grid.size.x} * grid.size.y * grid.size.z);
   Sampler sampler(tree, report.open_edges == 0, grid);
-  fill(sampler, grid.size.z, options.threads, progress);
+  for_each_slice(
+      grid.size.z, options.threads, [&](std::uint32_t z) { sampler.fill_slice(z); }, progress, 0, grid.size.z);
   return grid;
 } catch (const std::bad_alloc&) {
   return fail(Fault::environment,

@@ -17,6 +17,9 @@ struct GridOptions {
   unsigned threads = 0;  ///< 0: as many as there are cores; never changes the result
 };
 
+/// Tells how far a function is: `done` of `total` steps, rising to all of them; called on the calling thread.
+using Progress = std::function<void(std::size_t done, std::size_t total)>;
+
 struct GridReport {
   std::size_t open_edges = 0;
   double cube_from_mesh_scale = 1.0;  ///< cube = scale * mesh + offset
@@ -29,11 +32,12 @@ struct GridReport {
 /// Sign: negative where the generalised winding number exceeds 1/2 (Jacobson et al. 2013), evaluated hierarchically
 /// (Barill et al. 2018); holes and stray shells do not flip it, a mesh turned inside out as a whole is turned back.
 /// Box: voxels are cubes, sizes are rounded up; its corners are values that an LXN file holds exactly.
+/// A self-intersecting mesh is solid wherever it winds around; distances are to the nearest triangle all the same, be it
+/// one inside the solid.
 /// Errors (input): options out of range; a mesh without extent or too small for its coordinates' precision; a mesh that
 /// leaves the cube when `fit` is off. Errors (environment): not enough memory.
-/// Progress: rises to 1, reported from the calling thread.
-/// Cost: O(samples * log triangles); some 300 bytes a triangle besides the grid.
+/// Cost: O(samples * log triangles); 4 bytes a sample and some 300 bytes a triangle.
 Result<voml::Grid> distance_grid(const voml::Mesh& mesh, const GridOptions& options, GridReport& report,
-                                 const std::function<void(double done)>& progress = {});
+                                 const Progress& progress = {});
 
 }  // namespace dmvv::authoring

@@ -45,8 +45,8 @@ ProgressBar::~ProgressBar() {
   if (visible_) std::fputs("\r\033[K", stderr);
 }
 
-void ProgressBar::advance() {
-  ++done_;
+void ProgressBar::advance_to(std::size_t done) {
+  done_ = done;
   if (visible_ && Clock::now() - last_drawn_ >= std::chrono::milliseconds(100)) draw();
 }
 

@@ -22,7 +22,8 @@ class ProgressBar {
   ~ProgressBar();
 
   /// One more is done.
-  void advance();
+  void advance() { advance_to(done_ + 1); }
+  void advance_to(std::size_t done);
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -41,3 +41,10 @@ function(dmvv_test name)
   add_test(NAME ${name} COMMAND ${name} --no-intro)
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABEL}")
 endfunction()
+
+# dmvv_data_absent(TEST WHAT): stands for a test whose data is not there: shown as skipped, never as passed.
+function(dmvv_data_absent test what)
+  message(STATUS "data absent: ${what}")
+  add_test(NAME ${test}_data_absent COMMAND ${CMAKE_COMMAND} -E echo "data absent: ${what}")
+  set_tests_properties(${test}_data_absent PROPERTIES SKIP_REGULAR_EXPRESSION "data absent")
+endfunction()

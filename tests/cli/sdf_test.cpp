@@ -1,5 +1,7 @@
-// dmvv sdf: a mesh becomes a grid, and the mesh that belongs to it.
+// dmvv sdf: a mesh becomes a grid, and the mesh that belongs to it; so does an SDF of a scene.
 #include <doctest/doctest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 
 #include <algorithm>
 #include <cmath>
@@ -98,4 +100,103 @@ TEST_CASE("a mesh with a hole: a warning with the number of open edges, the same
   CHECK(run_dmvv({"sdf", mesh, "-o", folder.file("b.lxn"), "--resolution", "8", "--threads", "1", "--quiet"})
             .err.empty());
   CHECK((folder.read("a.lxn") == folder.read("b.lxn")));
+}
+
+TEST_CASE("--check reports on what was written: exact at samples, and where the surface is worst") {
+  const Folder folder;
+  const std::string mesh = folder.write("box.obj", box_obj(0, 3));
+  const Run run = run_dmvv({"sdf", mesh, "-o", folder.file("box.lxn"), "--resolution", "24", "--check"});
+  CAPTURE(run.err);
+  CAPTURE(run.out);
+  REQUIRE(run.exit_code == 0);
+  CHECK(run.out.find("check against the 12 triangles of " + mesh + "; a voxel is 0.08333\n") != std::string::npos);
+  const auto number_behind = [&](const std::string& words) {
+    const std::size_t at = run.out.find(words);
+    REQUIRE(at != std::string::npos);
+    return std::stod(run.out.substr(at + words.size()));
+  };
+  CHECK(number_behind("at samples       max ") < 1.2e-7);
+  CHECK(number_behind("on the surface   max ") < 0.0834);
+  CHECK(number_behind("between samples  max ") < 0.0834);
+  CHECK(number_behind("wrong side       ") < 400);  // of 40,000
+}
+
+TEST_CASE("an SDF of a scene is baked: its own values, or distances, and the same picture of it") {
+  const Folder folder;
+  const std::string scene = folder.write(
+      "ball.voml",
+      "<MVV><OBJECT name=\"BALL\"><SDF name=\"SKIN\" function=\"true\" offset=\"1\" translate=\"0.1 0 0\">return 4.0 * "
+      "dot(p, p) + 0.001 * t;</SDF><REGION name=\"R\" type=\"color\" rgb=\"1 0 0\"/></OBJECT></MVV>");
+  // 4 |p|^2 + 0.36 - 1 is negative within 0.4 of (0.1, 0, 0).
+  const auto centre = [](const voml::Grid& grid, std::size_t i) {
+    const glm::dvec3 at(i % grid.size.x, i / grid.size.x % grid.size.y, i / (grid.size.x * grid.size.y));
+    return grid.box_lo + (at + 0.5) / glm::dvec3(grid.size) * (grid.box_hi - grid.box_lo) - glm::dvec3(0.1, 0, 0);
+  };
+  const std::vector<std::string> command{"sdf",   "--from", scene,          "--sdf", "SKIN",    "-o", folder.file("a.lxn"),
+                                         "--time", "360",    "--resolution", "40",    "--check"};
+  const Run run = run_dmvv(command);
+  CAPTURE(run.err);
+  REQUIRE(run.exit_code == 0);
+  CHECK(run.out.find("check against 'SKIN' of " + scene) != std::string::npos);
+  const voml::Grid values = read_grid(folder, "a.lxn");
+  for (std::size_t i = 0; i < values.values.size(); ++i) {
+    const glm::dvec3 p = centre(values, i);
+    REQUIRE(values.values[i] == doctest::Approx(4.0 * glm::dot(p, p) - 0.64).epsilon(1e-6).scale(1.0));
+  }
+
+  std::vector<std::string> with_distance = command;
+  with_distance[6] = folder.file("b.lxn");
+  with_distance.push_back("--distance");
+  CHECK(run_dmvv(with_distance).exit_code == 0);
+  const voml::Grid distances = read_grid(folder, "b.lxn");
+  for (std::size_t i = 0; i < distances.values.size(); ++i) {
+    // voxel^2 / 2 times the curvature is 6e-4.
+    REQUIRE(std::abs(distances.values[i] - (glm::length(centre(distances, i)) - 0.4)) < 6e-4);
+  }
+}
+
+TEST_CASE("what dmvv sdf refuses: neither or both sources, options of the other, names that no object has") {
+  const Folder folder;
+  const std::string scene = folder.write(
+      "s.voml", "<MVV><OBJECT name=\"O\"><SDF name=\"SKIN\" function=\"true\">return p.x;</SDF><REGION name=\"R\" "
+                "type=\"color\" rgb=\"1 0 0\"/></OBJECT></MVV>");
+  const std::string mesh = folder.write("box.obj", box_obj(0, 1)), out = folder.file("x.lxn");
+  struct Case {
+    std::vector<std::string> arguments;
+    int exit_code;
+    std::string word;
+  };
+  const Case cases[] = {
+      {{"sdf", "-o", out}, 2, "nothing to make a grid from"},
+      {{"sdf", mesh, "--from", scene, "--sdf", "SKIN", "-o", out}, 2, "a mesh and --from at once"},
+      {{"sdf", "--from", scene, "-o", out}, 2, "--from needs --sdf"},
+      {{"sdf", mesh, "--sdf", "SKIN", "-o", out}, 2, "--sdf is for --from"},
+      {{"sdf", mesh, "--distance", "-o", out}, 2, "--distance is for --from"},
+      {{"sdf", mesh, "--time", "5", "-o", out}, 2, "--time is for --from"},
+      {{"sdf", "--from", scene, "--sdf", "SKIN", "--no-fit", "-o", out}, 2, "--no-fit is for meshes"},
+      {{"sdf", "--from", scene, "--sdf", "SKN", "-o", out}, 1, "did you mean 'SKIN'?"},
+      {{"sdf", "--from", mesh, "--sdf", "SKIN", "-o", out}, 1, "box.obj"},
+      {{"sdf", "--from", folder.file("none.voml"), "--sdf", "SKIN", "-o", out}, 1, "none.voml"}};
+  for (const Case& c : cases) {
+    const Run run = run_dmvv(c.arguments);
+    CAPTURE(run.err);
+    CHECK(run.exit_code == c.exit_code);
+    CHECK(run.err.find(c.word) != std::string::npos);
+    CHECK(run.out.empty());
+  }
+  CHECK(folder.listing().size() == 2);  // nothing was written
+}
+
+TEST_CASE("256^3 in the memory that --help states: 8 bytes a sample") {
+  const Folder folder;
+  const std::string mesh = folder.write("box.obj", box_obj(-1, 1));
+  const pid_t child =
+      start_dmvv({"sdf", mesh, "-o", folder.file("box.lxn"), "--resolution", "256", "--check"}, folder.file("err"));
+  int status = 0;
+  rusage usage{};
+  REQUIRE(wait4(child, &status, 0, &usage) == child);
+  CHECK(status == 0);
+  const double samples = 256.0 * 256.0 * 256.0, mebibyte = 1024.0 * 1024.0;
+  CHECK(static_cast<double>(usage.ru_maxrss) * 1024.0 < 8.0 * samples + 64.0 * mebibyte);  // 64: the program itself
+  CHECK(folder.read("box.lxn").size() == static_cast<std::size_t>(128 + 4 * samples));
 }
