@@ -6,6 +6,7 @@
 #include <array>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <numeric>
 #include <unordered_map>
 
 namespace dmvv::authoring {
@@ -15,7 +16,7 @@ using glm::dvec3;
 using glm::ivec3;
 
 constexpr int block_cells = 4;
-constexpr int bisections = 9;
+constexpr int bisections = 9, more_bisections = 4;
 constexpr std::size_t batch_points = std::size_t{1} << 18;
 
 enum Side : char { outside = 0, inside_it = 1, unknown = 2 };
@@ -169,19 +170,12 @@ class Crossings {
 
   /// Moves every crossing to the boundary; it stays inside.
   Result<void> bisect(const InsideTest& inside) {
-    std::vector<dvec3> points;
-    for (std::size_t begin = 0; begin < ends_.size(); begin += batch_points) {
-      const std::size_t end = std::min(begin + batch_points, ends_.size());
-      for (int round = 0; round < bisections; ++round) {
-        points.clear();
-        for (std::size_t i = begin; i < end; ++i) points.push_back(0.5 * (ends_[i].in + ends_[i].out));
-        const auto answers = inside(points);
-        if (!answers) return tl::unexpected<Error>(answers.error());
-        for (std::size_t i = begin; i < end; ++i)
-          ((*answers)[i - begin] ? ends_[i].in : ends_[i].out) = points[i - begin];
-      }
-    }
-    return {};
+    std::vector<std::size_t> asked(ends_.size());
+    std::iota(asked.begin(), asked.end(), std::size_t{0});
+    if (auto moved = bisect(asked, bisections, inside); !moved) return moved;
+    // Crossings of several edges that still stand at their node would be one vertex, and the surface no manifold there.
+    std::erase_if(asked, [&](std::size_t i) { return ends_[i].moved; });
+    return bisect(asked, more_bisections, inside);
   }
 
   voml::Mesh mesh() && {
@@ -195,7 +189,27 @@ class Crossings {
  private:
   struct Ends {
     dvec3 in, out;
+    bool moved = false;  ///< `in` is no longer a node
   };
+
+  Result<void> bisect(std::span<const std::size_t> asked, int rounds, const InsideTest& inside) {
+    std::vector<dvec3> points;
+    for (std::size_t begin = 0; begin < asked.size(); begin += batch_points) {
+      const auto batch = asked.subspan(begin, std::min(batch_points, asked.size() - begin));
+      for (int round = 0; round < rounds; ++round) {
+        points.clear();
+        for (const std::size_t i : batch) points.push_back(0.5 * (ends_[i].in + ends_[i].out));
+        const auto answers = inside(points);
+        if (!answers) return tl::unexpected<Error>(answers.error());
+        for (std::size_t k = 0; k < batch.size(); ++k) {
+          Ends& ends = ends_[batch[k]];
+          ((*answers)[k] ? ends.in : ends.out) = points[k];
+          ends.moved = ends.moved || (*answers)[k];
+        }
+      }
+    }
+    return {};
+  }
 
   void add_tetrahedron(const std::array<ivec3, 4>& corners) {
     std::array<ivec3, 4> in, out;
@@ -222,7 +236,7 @@ class Crossings {
     const ivec3 lo = glm::min(in, out), along = glm::max(in, out) - lo;
     const std::size_t edge = nodes_.index(lo) * 8 + static_cast<std::size_t>(along.x + 2 * along.y + 4 * along.z);
     const auto [place, is_new] = vertex_of_.try_emplace(edge, static_cast<std::uint32_t>(ends_.size()));
-    if (is_new) ends_.push_back({nodes_.position(in), nodes_.position(out)});
+    if (is_new) ends_.push_back({nodes_.position(in), nodes_.position(out), false});
     return place->second;
   }
 
