@@ -83,12 +83,16 @@ dvec3 middle(const Hair& hair) { return dvec3(hair.x, surface_height(hair.x, hai
 double lobule(dvec3 p) { return noise(dvec3(1.15, 0.9, 1.15) * p + dvec3(40.3, 7.1, 21.7), 71); }
 
 /// Pieces of a vessel end to end along a path, `path(s)` at the distance s from its start. A piece is 2 of its units long;
-/// `scale` is its radius and half its length. They overlap a little, so that no gap opens where the path bends.
+/// `scale` is its radius and half its length. Where the path bends they are longer by as much as their outer sides part.
 template <class Path>
 void chain(std::vector<Placement>& placements, double scale, int count, Path path) {
+  const auto place = [&](int i) { return path(2.0 * scale * i); };
+  const auto step = [&](int i) { return glm::normalize(place(i + 1) - place(i)); };
   for (int i = 0; i < count; ++i) {
-    const dvec3 a = path(2.0 * scale * i), b = path(2.0 * scale * (i + 1));
-    placements.push_back({0.5 * (a + b), turned_frame(b - a, 0.0), {scale, 0.505 * glm::length(b - a), scale}});
+    const dvec3 a = place(i), b = place(i + 1);
+    const double turn = std::max(glm::length(step(i) - step(i - 1)), glm::length(step(i + 1) - step(i)));
+    const double half_length = 0.5 * 1.0002 * glm::length(b - a) + (turn > 1e-6 ? 0.5 * turn * scale : 0.0);
+    placements.push_back({0.5 * (a + b), turned_frame(b - a, 0.0), {scale, half_length, scale}});
   }
 }
 

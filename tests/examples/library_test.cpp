@@ -38,7 +38,8 @@ TEST_CASE("a preset checks clean, compiles to valid SPIR-V, and its shaders answ
   REQUIRE(device);
   const auto all = presets();
   CHECK(all.size() >= 7);
-  for (const auto& [path, object] : all) {
+  for (const auto& preset : all) {
+    const std::string path = preset.first, object = preset.second;
     CAPTURE(path);
     Diagnostics diagnostics;
     auto scene = voml::read_scene(path, disk_files(), {.root = "", .load_everything = true}, diagnostics);
@@ -93,5 +94,5 @@ TEST_CASE("a preset is embedded by a scene of the examples that imports it") {
       if (imports && text.find("<EMBEDDED name=\"" + object + "\"") != std::string::npos) used.insert(object);
     }
   }
-  for (const auto& [path, object] : presets()) CHECK_MESSAGE(used.contains(object), object);
+  for (const auto& preset : presets()) CHECK_MESSAGE(used.contains(preset.second), preset.second);
 }
