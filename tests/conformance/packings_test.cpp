@@ -112,7 +112,9 @@ TEST_CASE("virion: every protein of the packing stands in the scene, as often as
   const auto names = names_of_kinds();
   const auto counts = embeddings(virion());
   std::size_t all = 0;
-  for (const auto& [kind, count] : results) {
+  for (const auto& result : results) {
+    const std::string& kind = result.first;
+    const std::size_t count = result.second;
     CAPTURE(kind);
     if (count == 0) continue;
     REQUIRE(names.contains(kind));

@@ -172,9 +172,9 @@ TEST_CASE("a blob: the distance of one bead, the exponential smooth minimum of s
 }
 
 TEST_CASE("the table of kinds: names, colours and radii; faults at their place") {
-  const auto [table, messages] =
-      kinds("# of a cell\nentity,instances,name,rgb,radius\n7,3,POLYMERASE,#ff8000,\n8,2,,,2.5\n");
-  REQUIRE_MESSAGE(table, messages);
+  const auto reading = kinds("# of a cell\nentity,instances,name,rgb,radius\n7,3,POLYMERASE,#ff8000,\n8,2,,,2.5\n");
+  const auto& table = reading.first;
+  REQUIRE_MESSAGE(table, reading.second);
   CHECK(table->at("7").name == "POLYMERASE");
   CHECK(table->at("7").rgb == "1.0000 0.5020 0.0000");
   CHECK(table->at("7").radius == 0.0);
