@@ -18,6 +18,7 @@ using glm::ivec3;
 constexpr int block_cells = 4;
 constexpr int bisections = 9, more_bisections = 4;
 constexpr std::size_t batch_points = std::size_t{1} << 18;
+constexpr double drawn_in_cells = 0.06;  // at a time
 
 enum Side : char { outside = 0, inside_it = 1, unknown = 2 };
 
@@ -246,6 +247,65 @@ class Crossings {
   std::vector<glm::uvec3> triangles_;
 };
 
+/// inside(points), asked in batches.
+Result<std::vector<char>> ask(const InsideTest& inside, std::span<const dvec3> points) {
+  std::vector<char> all;
+  all.reserve(points.size());
+  for (std::size_t begin = 0; begin < points.size(); begin += batch_points) {
+    const auto sides = inside(points.subspan(begin, std::min(batch_points, points.size() - begin)));
+    if (!sides) return tl::unexpected<Error>(sides.error());
+    all.insert(all.end(), sides->begin(), sides->end());
+  }
+  return all;
+}
+
+/// The corners of triangles that pass outside, by their middle or the middle of an edge.
+Result<std::vector<std::uint32_t>> corners_of_outer_triangles(const voml::Mesh& mesh, const InsideTest& inside) {
+  constexpr std::size_t looked_at = 4;
+  std::vector<dvec3> points;
+  points.reserve(looked_at * mesh.triangles.size());
+  for (const glm::uvec3& t : mesh.triangles) {
+    const dvec3 a = mesh.positions[t.x], b = mesh.positions[t.y], c = mesh.positions[t.z];
+    points.insert(points.end(), {(a + b + c) / 3.0, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)});
+  }
+  const auto sides = ask(inside, points);
+  if (!sides) return tl::unexpected<Error>(sides.error());
+  std::vector<std::uint32_t> corners;
+  for (std::size_t i = 0; i < sides->size(); ++i) {
+    const glm::uvec3& t = mesh.triangles[i / looked_at];
+    if ((*sides)[i] == 0) corners.insert(corners.end(), {t.x, t.y, t.z});
+  }
+  std::ranges::sort(corners);
+  const auto twice = std::ranges::unique(corners);
+  corners.erase(twice.begin(), twice.end());
+  return corners;
+}
+
+/// Where the surface is hollow, triangles between its points pass outside: their corners move inward, a little at a time.
+Result<void> draw_in(voml::Mesh& mesh, double step, const InsideTest& inside) {
+  constexpr int rounds = 3;
+  for (int round = 0; round < rounds; ++round) {
+    const auto corners = corners_of_outer_triangles(mesh, inside);
+    if (!corners) return tl::unexpected<Error>(corners.error());
+    if (corners->empty()) return {};
+    std::vector<dvec3> normals(mesh.positions.size(), dvec3(0.0)), moved;
+    for (const glm::uvec3& t : mesh.triangles) {
+      const dvec3 a = mesh.positions[t.x], normal = glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
+      for (int i = 0; i < 3; ++i) normals[t[i]] += normal;
+    }
+    for (const std::uint32_t corner : *corners) {
+      const double length = glm::length(normals[corner]);
+      moved.push_back(mesh.positions[corner] - (length > 0.0 ? normals[corner] * (step / length) : dvec3(0.0)));
+    }
+    const auto sides = ask(inside, moved);
+    if (!sides) return tl::unexpected<Error>(sides.error());
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      if ((*sides)[i] != 0) mesh.positions[(*corners)[i]] = moved[i];
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<voml::Mesh> surface_mesh(const InsideTest& inside, const SurfaceOptions& options) {
@@ -263,7 +323,11 @@ Result<voml::Mesh> surface_mesh(const InsideTest& inside, const SurfaceOptions& 
     Blocks::each(blocks.node(block), blocks.node(block + 1), [&](const ivec3& cell) { crossings.add_cell(cell); });
   // Step 3: their corners, moved to the boundary.
   if (const auto moved = crossings.bisect(inside); !moved) return tl::unexpected<Error>(moved.error());
-  return std::move(crossings).mesh();
+  voml::Mesh mesh = std::move(crossings).mesh();
+  // Step 4: what still passes outside is drawn in.
+  const double cell = 2.0 / options.resolution;
+  if (const auto drawn = draw_in(mesh, drawn_in_cells * cell, inside); !drawn) return tl::unexpected<Error>(drawn.error());
+  return mesh;
 }
 
 }  // namespace dmvv::authoring

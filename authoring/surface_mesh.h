@@ -22,11 +22,13 @@ struct SurfaceOptions {
 };
 
 /// A closed mesh round what is inside, within the standard cube, whose vertices lie inside, at most 1/512 of a cell
-/// from the boundary; without triangles if nothing is found.
+/// from the boundary, or up to 0.2 cells where it is hollow, so that triangles do not pass outside there; without
+/// triangles if nothing is found.
 ///
 /// Cells four times as large are looked at first; what they miss, and no surface that they find leads to, is not there:
-/// things thinner than 4 cells that stand alone. Between vertices the mesh may pass outside, by less than a cell.
-/// Errors: those of `inside`, and (input) a resolution out of range. Cost: some (resolution/4)^3 points, then some 50 a
+/// things thinner than 4 cells that stand alone. Where the boundary bends sharply the mesh may still pass outside, by less
+/// than a cell.
+/// Errors: those of `inside`, and (input) a resolution out of range. Cost: some (resolution/4)^3 points, then some 70 a
 /// cell of the surface, asked for in blocks; memory: a byte a cell.
 /// Source: marching tetrahedra (Doi and Koide 1991) over the six of a cube round its diagonal (Kuhn 1960), whose
 /// surface is a manifold; crossings by bisection.

@@ -66,6 +66,25 @@ TEST_CASE("a thin rod that leaves a ball is followed to its end, though large ce
   CHECK(voml::bounds(mesh).hi.x == doctest::Approx(0.88).epsilon(0.005));
 }
 
+TEST_CASE("triangles of a hollow surface stay within it") {
+  // A slab that a ball has dented on both sides: between points on the dents, straight lines pass outside.
+  const auto shape = [](const glm::dvec3& p) {
+    const double dents = 0.9 - std::min(glm::length(p - glm::dvec3(0, 0, 1.0)), glm::length(p + glm::dvec3(0, 0, 1.0)));
+    return std::max({dents, std::abs(p.z - 0.003) - 0.487, std::hypot(p.x, p.y) - 0.79});
+  };
+  const auto mesh = surface_mesh(test_of(shape), {48}).value();
+  CHECK(voml::count_open_edges(mesh) == 0);
+  std::size_t hollow = 0, outside = 0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 middle = (mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0;
+    if (std::hypot(middle.x, middle.y) > 0.3) continue;  // far from the rims
+    ++hollow;
+    outside += shape(middle) > 0.0 ? 1 : 0;
+  }
+  CHECK(hollow > 500);
+  CHECK(outside == 0);
+}
+
 TEST_CASE("nothing, a resolution out of range, a test that fails") {
   CHECK(surface_mesh(test_of([](const glm::dvec3&) { return 1.0; }), {16}).value().triangles.empty());
   CHECK(surface_mesh(test_of([](const glm::dvec3&) { return 1.0; }), {7}).error().fault == Fault::input);
