@@ -64,14 +64,18 @@ Ingredient ingredient_of(const std::string& name, const std::string& place, cons
   return result;
 }
 
-void collect(const Json& json, const std::string& place, Packing& packing) {
+constexpr int deepest_level = 64;  // results of cellPACK have 5
+
+void collect(const Json& json, const std::string& place, int level, Packing& packing) {
   if (!json.is_object()) return;
+  if (level > deepest_level)
+    throw Refusal{Code::cellpack_syntax, fmt::format("objects stand more than {} deep in each other", deepest_level)};
   for (const auto& [key, value] : json.items()) {
     if (!value.is_object()) continue;
     if (value.contains("results") && value["results"].is_array()) {
       if (!value["results"].empty()) packing.ingredients.push_back(ingredient_of(key, place, value, packing));
     } else {
-      collect(value, place.empty() ? key : place + '/' + key, packing);
+      collect(value, place.empty() ? key : place + '/' + key, level + 1, packing);
     }
   }
 }
@@ -84,12 +88,14 @@ std::optional<Packing> parse_cellpack(const std::string& path, std::string_view 
   try {
     if (too_long) throw Refusal{Code::cellpack_syntax, "the file is 4 GiB or longer"};
     Packing packing;
-    collect(Json::parse(bytes), "", packing);
+    collect(Json::parse(bytes), "", 0, packing);
     if (packing.ingredients.empty()) throw Refusal{Code::cellpack_syntax, "no ingredient with results"};
     return packing;
   } catch (const Json::parse_error& error) {
     const auto at = static_cast<std::uint32_t>(std::min(error.byte == 0 ? 0 : error.byte - 1, bytes.size()));
     diagnostics.report(Code::cellpack_syntax, {source, at, at}, "the text is not JSON here");
+  } catch (const Json::out_of_range&) {
+    diagnostics.report(Code::cellpack_syntax, {source, 0, 0}, "a number is larger than any double");
   } catch (const Refusal& refusal) {
     diagnostics.report(refusal.code, {source, 0, 0}, refusal.message);
   }

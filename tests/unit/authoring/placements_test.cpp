@@ -386,6 +386,10 @@ TEST_CASE("cellPACK: beads and placements, wherever ingredients stand; faults") 
 
   CHECK(read_packing("{\n\"a\": x}").second.starts_with("c:2:6: error[E0568]"));
   CHECK(read_packing("{}").second.find("E0568]: no ingredient") != std::string::npos);
+  CHECK(read_packing("{\"a\": 1e400}").second.find("E0568]: a number is larger than any double") != std::string::npos);
+  std::string deep = "1";
+  for (int i = 0; i < 1000; ++i) deep = "{\"a\":" + deep + "}";
+  CHECK(read_packing(deep).second.find("E0568]: objects stand more than 64 deep") != std::string::npos);
   CHECK(read_packing(start + turned + end).second.find("E0568]: 'A' has no beads") != std::string::npos);
   CHECK(read_packing(start + turned + R"(,"positions":[[[1,0,0]]],"radii":[[2,3]])" + end)
             .second.find("E0568]: 'A' has 1 beads and 2 radii") != std::string::npos);
