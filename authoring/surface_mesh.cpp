@@ -276,8 +276,7 @@ Result<std::vector<std::uint32_t>> corners_of_outer_triangles(const voml::Mesh& 
     if ((*sides)[i] == 0) corners.insert(corners.end(), {t.x, t.y, t.z});
   }
   std::ranges::sort(corners);
-  const auto twice = std::ranges::unique(corners);
-  corners.erase(twice.begin(), twice.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
   return corners;
 }
 

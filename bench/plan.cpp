@@ -37,6 +37,8 @@ const std::vector<Example>& examples() {
       {"metaballs_plus", "", {{{0, 0, 1}, 0.85}}, 1500.0},
       {"skull", "skull.ply", {{{1, 0, 0}, 0.0}}, 0.0},
       {"molecule", "haemoglobin.obj", {{{0, 0, 1}, 0.0}}, 1000.0},
+      {"virion", "virion.ply", {{{0.8, 0, 0.6}, 0.011}}, 1000.0},
+      {"mycoplasma", "mycoplasma.ply", {{{0.6, 0, 0.8}, 0.02}}, 0.0},
   };
   return table;
 }
