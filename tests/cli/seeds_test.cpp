@@ -1,11 +1,10 @@
 // dmvv seeds: from a molecule's file to seed files and a scene.
 #include <doctest/doctest.h>
 
-#include <zlib.h>
-
 #include <algorithm>
 
 #include "tests/cli/program.h"
+#include "tests/support/gzip.h"
 
 using namespace dmvv::test;
 
@@ -26,20 +25,6 @@ const char* const packing = R"({"recipe": {"name": "two"}, "compartments": {
   "core": {"interior": {"ingredients": {"C": {"results": [[[0, 0, 0], [1, 0, 0, 0]]], "positions": [[[0, 0, 0]]],
                                               "radii": [[3]]},
                                         "none": {"results": []}}}}}})";
-
-std::string gzip(const std::string& text) {
-  z_stream stream{};
-  REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY) == Z_OK);
-  std::string result(deflateBound(&stream, static_cast<uLong>(text.size())), '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-  stream.avail_in = static_cast<uInt>(text.size());
-  stream.next_out = reinterpret_cast<Bytef*>(result.data());
-  stream.avail_out = static_cast<uInt>(result.size());
-  REQUIRE(deflate(&stream, Z_FINISH) == Z_STREAM_END);
-  result.resize(stream.total_out);
-  deflateEnd(&stream);
-  return result;
-}
 
 }  // namespace
 
@@ -171,7 +156,7 @@ TEST_CASE("a result of cellPACK: beads, placements, and the region of each ingre
 
   // Blended, coloured by a table, moving, from a packed file.
   const std::string kinds = folder.write("kinds.csv", "kind,name,rgb\nA b,SPIKE,#ff0000\n");
-  const Run blended = run_dmvv({"seeds", folder.write("two.json.gz", gzip(packing)), "-o", folder.file("b"), "--voml", "--blend",
+  const Run blended = run_dmvv({"seeds", folder.write("two.json.gz", dmvv::tests::gzip(packing)), "-o", folder.file("b"), "--voml", "--blend",
                                 "--jiggle", "0.5", "--kinds", kinds});
   CAPTURE(blended.err);
   REQUIRE(blended.exit_code == 0);
@@ -182,7 +167,7 @@ TEST_CASE("a result of cellPACK: beads, placements, and the region of each ingre
   const Run fault = run_dmvv({"seeds", folder.write("bad.cpr", "{\n\"a\": x}"), "-o", folder.file("f")});
   CHECK(fault.exit_code == 1);
   CHECK(fault.err.find("bad.cpr:2:6: error[E0568]") != std::string::npos);
-  const Run cut = run_dmvv({"seeds", folder.write("cut.json.gz", gzip(packing).substr(0, 60)), "-o", folder.file("f")});
+  const Run cut = run_dmvv({"seeds", folder.write("cut.json.gz", dmvv::tests::gzip(packing).substr(0, 60)), "-o", folder.file("f")});
   CHECK(cut.exit_code == 1);
   CHECK(cut.err.find("cut.json.gz: the compressed data ends too soon at byte 60") != std::string::npos);
   CHECK(run_dmvv({"seeds", json, "-o", folder.file("f"), "--jiggle", "1"}).exit_code == 2);
@@ -191,7 +176,7 @@ TEST_CASE("a result of cellPACK: beads, placements, and the region of each ingre
 
 TEST_CASE("--beads: a table of beads beside one of placements; kinds without beads are named") {
   const Folder folder;
-  const std::string placed = folder.write("placed.tsv.gz", gzip("entity\tt1\tt2\tt3\n7\t-10\t0\t0\n7\t10\t0\t0\n8\t0\t0\t0\n"));
+  const std::string placed = folder.write("placed.tsv.gz", dmvv::tests::gzip("entity\tt1\tt2\tt3\n7\t-10\t0\t0\n7\t10\t0\t0\n8\t0\t0\t0\n"));
   const std::string beads = folder.write("beads.tsv", "entity\tx\ty\tz\n7\t-1\t0\t0\n7\t1\t0\t0\n8\t0\t0\t0\n9\t0\t0\t0\n");
   const Run run = run_dmvv({"seeds", placed, "--beads", beads, "-o", folder.file("cell"), "--voml"});
   CAPTURE(run.err);

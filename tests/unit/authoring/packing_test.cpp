@@ -1,7 +1,6 @@
 // Packings: tables joined, radii by spacing, blends, names and colours of kinds, and what gzip packed.
 #include <doctest/doctest.h>
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include "authoring/gunzip.h"
 #include "authoring/kind_table.h"
 #include "compiler/reference.h"
+#include "tests/support/gzip.h"
 #include "voml/scene.h"
 
 using namespace dmvv;
@@ -28,21 +28,6 @@ std::pair<std::optional<KindTable>, std::string> kinds(std::string_view text) {
   Diagnostics diagnostics;
   auto result = parse_kind_table("k", text, diagnostics);
   return {std::move(result), diagnostics.render()};
-}
-
-/// As gzip does, by zlib.
-std::string gzip(std::string_view text) {
-  z_stream stream{};
-  REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY) == Z_OK);
-  std::string result(deflateBound(&stream, static_cast<uLong>(text.size())), '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-  stream.avail_in = static_cast<uInt>(text.size());
-  stream.next_out = reinterpret_cast<Bytef*>(result.data());
-  stream.avail_out = static_cast<uInt>(result.size());
-  REQUIRE(deflate(&stream, Z_FINISH) == Z_STREAM_END);
-  result.resize(stream.total_out);
-  deflateEnd(&stream);
-  return result;
 }
 
 }  // namespace
@@ -195,12 +180,12 @@ TEST_CASE("the table of kinds: names, colours and radii; faults at their place")
 TEST_CASE("gzip: unpacked, several members too; cut short, damaged, and too large are refused") {
   std::string text;
   for (int i = 0; i < 200000; ++i) text += fmt::format("{} ", i * i % 1000);
-  const std::string packed = gzip(text);
+  const std::string packed = tests::gzip(text);
   CHECK(is_gzip(packed));
   CHECK_FALSE(is_gzip(text));
   CHECK(gunzip(packed).value() == text);
-  CHECK(gunzip(packed + gzip("more")).value() == text + "more");
-  CHECK(gunzip(gzip("")).value().empty());
+  CHECK(gunzip(packed + tests::gzip("more")).value() == text + "more");
+  CHECK(gunzip(tests::gzip("")).value().empty());
   for (const std::size_t length : {std::size_t{2}, std::size_t{9}, packed.size() / 2, packed.size() - 1}) {
     const auto cut = gunzip(std::string_view(packed).substr(0, length));
     REQUIRE_FALSE(cut);
@@ -211,8 +196,8 @@ TEST_CASE("gzip: unpacked, several members too; cut short, damaged, and too larg
   damaged[packed.size() - 6] = static_cast<char>(damaged[packed.size() - 6] ^ 1);  // the sum
   CHECK(gunzip(damaged).error().message.find("is damaged") != std::string::npos);
   CHECK_FALSE(gunzip(packed + "x"));
-  const auto bomb = gunzip(gzip(std::string(1 << 20, '\0')), 1 << 16);
+  const auto bomb = gunzip(tests::gzip(std::string(1 << 20, '\0')), 1 << 16);
   REQUIRE_FALSE(bomb);
   CHECK(bomb.error().message.find("hold more than 65536 bytes") != std::string::npos);
-  CHECK(gunzip(gzip(std::string(1 << 16, '\0')), 1 << 16).value().size() == 1 << 16);
+  CHECK(gunzip(tests::gzip(std::string(1 << 16, '\0')), 1 << 16).value().size() == 1 << 16);
 }
