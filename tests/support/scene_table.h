@@ -33,8 +33,8 @@ inline std::string deep_tree_scene(int decisions) {
   const auto region = [&](int i) {
     const char* const inner[] = {"", "<EMBEDDED name='CELL' scale='0.3 0.3 0.3' translate='0.1 0 0'/>", "",
                                  "<EMBEDDED name='CELL' scale='0.2 0.2 0.2' type='tiling'/>", "",
-                                 "<INDEX size='1 1 1' translate='0.2 0 0' scale='0.5 0.5 0.5'><EMBEDDED name='PAIR' scale='0.6 0.6 0.6'/></INDEX>"
-                                 "<EMBEDDED name='CELL' scale='0.9 0.9 0.9'/>"};
+                                 ("<INDEX size='1 1 1' translate='0.2 0 0' scale='0.5 0.5 0.5'><EMBEDDED name='PAIR' scale='0.6 0.6 0.6'/></INDEX>"
+                                  "<EMBEDDED name='CELL' scale='0.9 0.9 0.9'/>")};
     definitions += fmt::format("<REGION name='R{}' type='{}'{}>{}</REGION>", i, i % 4 == 3 ? "empty" : "color",
                                i % 4 == 3 ? "" : fmt::format(" rgb='{:.3f} 0.3 0.7'", i / 100.0), inner[i % 6]);
   };
