@@ -373,8 +373,9 @@ TEST_CASE("cellPACK: beads and placements, wherever ingredients stand; faults") 
   const std::string start = R"({"recipe":{"name":"n"},"compartments":{"in":{"interior":{"ingredients":{"A":{"results":)";
   const std::string end = R"(},"none":{"results":[]}}}}}})";
   const std::string turned = "[[[10,0,0],[0.7071067811865476,0,0,0.7071067811865476]]]";  // x -> y
-  const auto [packing, messages] = read_packing(start + turned + R"(,"positions":[[[1,0,0]]],"radii":[[2]])" + end);
-  REQUIRE_MESSAGE(packing, messages);
+  const auto reading = read_packing(start + turned + R"(,"positions":[[[1,0,0]]],"radii":[[2]])" + end);
+  const auto& packing = reading.first;
+  REQUIRE_MESSAGE(packing, reading.second);
   REQUIRE(packing->ingredients.size() == 1);
   CHECK(packing->ingredients[0].name == "A");
   CHECK(packing->repaired == 0);

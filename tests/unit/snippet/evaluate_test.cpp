@@ -140,7 +140,9 @@ TEST_CASE("switch") {
       "case 4: if (p.x > 0.0) break; s = 9.0; default: s += 100.0; case 7: s += 1000.0; } return s;";
   const std::vector<std::pair<int, double>> expected{{1, 11},   {2, 10},   {3, 5},    {4, 0},
                                                      {5, 1100}, {7, 1000}, {-1, 1100}};
-  for (const auto& [n, f] : expected) {
+  for (const auto& pair : expected) {
+    const int n = pair.first;
+    const double f = pair.second;
     CAPTURE(n);
     CHECK(value(fmt::format("int n = int(p.x * 10.0 + 0.5) - 3 + {};", n) + text) == f);
     CHECK(value(fmt::format("float sum = 0.0; for (int k = 0; k < 3; k++) sum += g({}); return sum;", n),
