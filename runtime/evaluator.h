@@ -6,7 +6,6 @@
 
 #include "runtime/gpu.h"
 #include "runtime/raster.h"
-#include "spirv/list_comp.h"
 
 namespace dmvv::runtime {
 
@@ -106,7 +105,6 @@ struct Evaluator::Impl {
   Result<void> warm_up(const Shot& shot, vk::Extent2D extent, const Wanted& wanted, const FramePasses& passes,
                        Timings* timings);
   Frame make_frame(vk::Extent2D extent, const Wanted& wanted) const;
-  const KernelPipeline& pixels_kernel(const Wanted& wanted, const FramePasses& passes) const;
   void evaluate_tile(const vk::raii::CommandBuffer& commands, const gpu::PixelsParams& params, const FramePasses& passes);
   /// Returns the milliseconds on the device (Device::Impl::run); 0 where the frame held the tile already.
   double render_tile(const Shot& shot, const Tile& tile, const FramePasses& passes);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "runtime/evaluator.h"
+#include "spirv/list_comp.h"
 
 namespace dmvv::runtime {
 namespace {
@@ -261,10 +262,6 @@ Frame Evaluator::Impl::make_frame(vk::Extent2D extent, const Wanted& wanted) con
   return made;
 }
 
-const KernelPipeline& Evaluator::Impl::pixels_kernel(const Wanted& wanted, const FramePasses& passes) const {
-  return pixels.at(kernel_constants(wanted, passes));
-}
-
 /// Lists the pixels that show a surface, and evaluates those; or all.
 void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, const gpu::PixelsParams& params,
                                     const FramePasses& passes) {
@@ -297,7 +294,7 @@ void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, con
                                    .dstAccessMask = Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead};
     commands.pipelineBarrier(Stage::eComputeShader, Stage::eComputeShader | Stage::eDrawIndirect, {}, listed, nullptr, nullptr);
   }
-  bind(pixels_kernel(frame->wanted, passes));
+  bind(pixels.at(kernel_constants(frame->wanted, passes)));
   if (passes.pixel_list) {
     commands.dispatchIndirect(*frame->list.buffer, 0);
   } else {

@@ -16,6 +16,7 @@
 #include "runtime/runtime.h"
 #include "tests/random/points.h"
 #include "tests/support/agreement.h"
+#include "tests/support/scenes.h"
 #include "voml/files.h"
 #include "voml/scene.h"
 
@@ -23,22 +24,13 @@ using namespace dmvv;
 
 namespace {
 
-compiler::Module read(const std::string& path) {
-  Diagnostics diagnostics;
-  auto scene = voml::read_scene(path, disk_files(), {}, diagnostics);
-  REQUIRE_MESSAGE(scene, diagnostics.render());
-  auto module = compiler::lower(std::move(*scene), diagnostics);
-  REQUIRE_MESSAGE(module, diagnostics.render());
-  return std::move(*module);
-}
-
 const compiler::Module& virion() {
-  static const compiler::Module module = read(DMVV_BINARY_DIR "/examples/virion/virion.voml");
+  static const compiler::Module module = tests::lowered_file(DMVV_BINARY_DIR "/examples/virion/virion.voml");
   return module;
 }
 
 const compiler::Module& mycoplasma() {
-  static const compiler::Module module = read(DMVV_BINARY_DIR "/examples/mycoplasma/mycoplasma.voml");
+  static const compiler::Module module = tests::lowered_file(DMVV_BINARY_DIR "/examples/mycoplasma/mycoplasma.voml");
   return module;
 }
 

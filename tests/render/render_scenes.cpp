@@ -112,15 +112,6 @@ std::vector<RenderScene> write_render_scenes(const Folder& folder) {
   return scenes;
 }
 
-compiler::Module read_module(const std::string& path) {
-  Diagnostics diagnostics;
-  auto scene = voml::read_scene(path, disk_files(), {}, diagnostics);
-  REQUIRE_MESSAGE(scene, diagnostics.render());
-  auto module = compiler::lower(std::move(*scene), diagnostics);
-  REQUIRE_MESSAGE(module, diagnostics.render());
-  return std::move(*module);
-}
-
 std::vector<std::uint32_t> read_regions(const std::string& path) {
   return read_picture<std::uint32_t>(path, OIIO::TypeDesc::UINT32, 1);
 }

@@ -19,9 +19,6 @@ struct RenderScene {
 /// Grids, seeds, tiling, embeddings with rotations and lookup boxes, bitmaps.
 std::vector<RenderScene> write_render_scenes(const Folder& folder);
 
-/// The scene as the reference reads it.
-compiler::Module read_module(const std::string& path);
-
 /// One channel of an EXR picture, as it is stored, rows from the top.
 std::vector<std::uint32_t> read_regions(const std::string& path);
 std::vector<float> read_depth(const std::string& path);

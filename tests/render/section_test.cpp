@@ -7,6 +7,7 @@
 
 #include "compiler/reference.h"
 #include "tests/render/render_scenes.h"
+#include "tests/support/scenes.h"
 
 using namespace dmvv;
 using namespace dmvv::test;
@@ -43,7 +44,7 @@ TEST_CASE("a capped section shows the scene on its plane, at the plane's depth")
   const Folder folder;
   for (const RenderScene& scene : write_render_scenes(folder)) {
     CAPTURE(scene.name);
-    const compiler::Module module = read_module(scene.path);
+    const compiler::Module module = tests::lowered_file(scene.path);
     const compiler::Reference reference(module);
     for (const std::string codegen : {"specialised", "table"}) {
       CAPTURE(codegen);

@@ -9,6 +9,7 @@
 #include "compiler/reference.h"
 #include "runtime/view.h"
 #include "tests/render/render_scenes.h"
+#include "tests/support/scenes.h"
 
 using namespace dmvv;
 using namespace dmvv::test;
@@ -77,7 +78,7 @@ std::set<std::uint32_t> compare(const Slice& slice, const std::string& plane, co
 TEST_CASE("every certain pixel of a slice has the reference's region and colour") {
   const Folder folder;
   for (const RenderScene& scene : write_render_scenes(folder)) {
-    const compiler::Module module = read_module(scene.path);
+    const compiler::Module module = tests::lowered_file(scene.path);
     const compiler::Reference reference(module);
     std::set<std::uint32_t> regions_there;
     for (const compiler::Region& region : module.regions) {

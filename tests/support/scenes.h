@@ -10,6 +10,7 @@
 #include "compiler/module.h"
 #include "tests/support/grids.h"
 #include "tests/support/random.h"
+#include "voml/files.h"
 #include "voml/scene.h"
 
 namespace dmvv::tests {
@@ -24,6 +25,16 @@ inline voml::Scene read(const std::string& text, Files files = {}, const std::st
   INFO(diagnostics.render());
   REQUIRE(scene.has_value());
   return std::move(*scene);
+}
+
+/// The module of a scene on disk; fails the test with the diagnostics if there are errors.
+inline compiler::Module lowered_file(const std::string& path) {
+  Diagnostics diagnostics;
+  auto scene = voml::read_scene(path, disk_files(), {}, diagnostics);
+  REQUIRE_MESSAGE(scene, diagnostics.render());
+  auto module = compiler::lower(std::move(*scene), diagnostics);
+  REQUIRE_MESSAGE(module, diagnostics.render());
+  return std::move(*module);
 }
 
 inline compiler::Module lowered(const std::string& text, Files files = {}) {
