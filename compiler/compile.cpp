@@ -8,6 +8,7 @@
 #include "compiler/atlas.h"
 #include "compiler/flatten.h"
 #include "compiler/generate_glsl.h"
+#include "compiler/judge.h"
 #include "compiler/passes.h"
 #include "compiler/reference.h"
 #include "compiler/texels.h"
@@ -129,7 +130,7 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   auto bitmap_atlas = pack_bitmaps(module.bitmaps, options.max_extent_3d, diagnostics);
   if (!grid_atlas || !bitmap_atlas) return std::nullopt;
   if (thesis && !fits_thesis(module, diagnostics)) return std::nullopt;
-  const Records records = thesis ? flatten_thesis(module, *grid_atlas, *bitmap_atlas)
+  Records records = thesis ? flatten_thesis(module, *grid_atlas, *bitmap_atlas)
                                  : flatten(module, *grid_atlas, *bitmap_atlas, enabled(options, "index"));
 
   const GlslOptions glsl_options{options.codegen, options.inlined_line_budget, enabled(options, "fold-affine"),
@@ -151,6 +152,10 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   add_buffers(program, records, evaluation.uses);
   if (evaluation.uses.time) add_buffer(program, "time_values", DMVV_BIND_TIME, time_values(program.time_functions, 0.0));
   if (!check_buffers(program, options.max_storage_buffer, diagnostics)) return std::nullopt;
+  if (options.judge && !thesis) {
+    const Judge::Options stored{options.atlas_format, options.filter};
+    program.judge = std::make_shared<Judge>(std::move(module), std::move(records), stored);
+  }
   return program;
 }
 

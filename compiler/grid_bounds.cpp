@@ -3,7 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compiler/lookup.h"
+#include "compiler/texels.h"
+
 namespace dmvv::compiler {
+
+namespace {
+
+// A grid may lie anywhere in an atlas of up to this many texels: bound of the texel error of a normalised coordinate.
+constexpr double atlas_texels = 2048.0;
+// Weights good to 8u, four products and three sums: 40u of the largest sample at each of three levels, magnified 5/4
+// times by the levels above.
+constexpr double tricubic_roundings = 256.0;
+constexpr double trilinear_roundings = 8.0;
+constexpr double normalised_roundings = 4.0;  // a normalised texel is converted by the device, and compared with iso / scale
+
+}  // namespace
 
 GridBounds grid_bounds(const voml::Grid& grid) {
   const std::size_t nx = grid.size.x, ny = grid.size.y, nz = grid.size.z;
@@ -21,6 +36,18 @@ GridBounds grid_bounds(const voml::Grid& grid) {
     }
   }
   return {{slope[0], slope[1], slope[2]}, magnitude};
+}
+
+glm::dvec3 sample_error(const voml::Grid& grid, const glm::dvec3& error) {
+  const glm::dvec3 samples_per_unit = glm::dvec3(grid.size) / (grid.box_hi - grid.box_lo);
+  // The atlas coordinate takes a product and a sum, the sampler scales it up and subtracts a half.
+  return error * samples_per_unit + 6.0 * float_unit * atlas_texels;
+}
+
+double filter_error(const GridBounds& bounds, double iso, TexelFormat format, Filter filter) {
+  const double roundings = (filter == Filter::tricubic ? tricubic_roundings : trilinear_roundings) +
+                           (is_normalised(format) ? normalised_roundings : 0.0);
+  return roundings * float_unit * (bounds.magnitude + std::abs(iso)) + 1e-30;
 }
 
 }  // namespace dmvv::compiler

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -111,6 +112,8 @@ struct TimeFunction {
 /// and rounded once (spec/time.md). Empty in a static scene. Cost: the time part of each snippet, once a frame.
 std::vector<float> time_values(std::span<const TimeFunction> functions, double time_ms);
 
+class Judge;
+
 struct Program {
   Codegen codegen = Codegen::specialised;
   std::vector<Buffer> buffers;
@@ -120,6 +123,7 @@ struct Program {
   std::vector<RegionInfo> regions;                 ///< every region of the module, in its order
   std::uint32_t depth = 1;                         ///< most steps a path can have
   std::vector<TimeFunction> time_functions;        ///< empty in a static scene: then there is no time in its shader
+  std::shared_ptr<const Judge> judge;              ///< if asked for: proves what boxes hold (judge.h)
   Statistics statistics;
 
   const std::vector<std::uint32_t>& code(Kernel kernel) const { return spirv[static_cast<std::size_t>(kernel)]; }

@@ -17,8 +17,6 @@ namespace dmvv::compiler {
 
 namespace {
 
-// A grid may lie anywhere in an atlas of up to this many texels: bound of the texel error of a normalised coordinate.
-constexpr double atlas_texels = 2048.0;
 constexpr std::size_t shortest_indexed_list = 8;
 // Colours agree within 1e-3; of that, rounding a bitmap's values to rgba16f takes up to 2^-12.
 constexpr double color_slack = 7e-4;
@@ -101,13 +99,6 @@ glm::dvec4 catmull_rom(double t) {
   return 0.5 * glm::dvec4(t * (t * (2.0 - t) - 1.0), 2.0 + t * t * (3.0 * t - 5.0), t * (1.0 + t * (4.0 - 3.0 * t)),
                           t * t * (t - 1.0));
 }
-
-// Bounds for Catmull-Rom weights (spec/accuracy.md). Along an axis, the derivative is a sum of differences of
-// neighbours whose weights' magnitudes sum to 3/2 at most, the weights' own magnitudes to 5/4 along the two others.
-constexpr double tricubic_slope = 1.5 * 1.25 * 1.25;
-// Weights good to 8u, four products and three sums: 40u of the largest sample at each of three levels, magnified 5/4
-// times by the levels above.
-constexpr double tricubic_roundings = 256.0;
 
 }  // namespace
 
@@ -199,14 +190,9 @@ struct Reference::Impl {
     const voml::Grid& grid = grid_of(id);
     const bool tricubic = options.filter == Filter::tricubic;
     const double value = tricubic ? sample_tricubic(grid, q.p) : sample(grid, q.p);
-    const glm::dvec3 texels_per_unit = glm::dvec3(grid.size) / (grid.box_hi - grid.box_lo);
-    // The atlas coordinate takes a product and a sum, the sampler scales it up and subtracts a half.
-    const glm::dvec3 texel_error = q.error() * texels_per_unit + 6.0 * float_unit * atlas_texels;
     const GridBounds& bounds = bounds_of_grids[id.index];
-    // A normalised texel is converted by the device, and compared with iso / scale.
-    const double roundings = (tricubic ? tricubic_roundings : 8.0) + (is_normalised(options.format) ? 4.0 : 0.0);
-    const double error = glm::dot(texel_error, bounds.slope) * (tricubic ? tricubic_slope : 1.0) +
-                         roundings * float_unit * (bounds.magnitude + std::abs(iso)) + 1e-30;
+    const double error = glm::dot(sample_error(grid, q.error()), bounds.slope) * (tricubic ? tricubic_slope : 1.0) +
+                         filter_error(bounds, iso, options.format, options.filter);
     return {{value <= iso, std::abs(value - iso) > error}, value};
   }
 

@@ -148,6 +148,18 @@ struct PlacementRecord {
   uint pad0;
 };
 
+// ---- verdict trees (compiler/verdict_tree.h) ----
+// A tree of the standard cube: each cell is split into 4 x 4 x 4, a brick of words, x fastest; brick 0 splits the cube.
+#define DMVV_VERDICT_LEVELS 8             // most splits: cells are 2 / 65536 wide then
+#define DMVV_VERDICT_UNITS 65536u         // of the finest cells along an axis
+#define DMVV_BRICK_WORDS 64u
+// A cell's word: one of these bits, or none where it is open.
+#define DMVV_VERDICT_DECIDED 0x80000000u  // | outcome
+#define DMVV_VERDICT_INNER 0x40000000u    // | first word of the brick
+#define DMVV_VERDICT_STILL 0x20000000u    // open, but no answer in it depends on the time
+#define DMVV_VERDICT_FINAL 0x10000000u    // open, and not to be split
+#define DMVV_VERDICT_VALUE 0x0fffffffu
+
 #ifdef __cplusplus
 static_assert(sizeof(PointsParams) == 16);
 static_assert(sizeof(PixelsParams) == 64);

@@ -39,6 +39,20 @@ Interval Snippet::evaluate(const Box& p, const Interval& t_ms, Rounding rounding
   return evaluate_box(split_->residual, inputs, rounding, device_values(*split_, t_ms));
 }
 
+struct BoxFunction::Prepared {
+  std::shared_ptr<const TimeSplit> split;
+  std::vector<BoxValue> hoisted;
+};
+
+BoxFunction::BoxFunction(const Snippet& snippet, const Interval& t_ms)
+    : prepared_(std::make_shared<Prepared>(Prepared{snippet.split_, device_values(*snippet.split_, t_ms)})) {}
+
+Interval BoxFunction::operator()(const Box& p) const {
+  const std::array<Interval, Program::input_count> inputs{
+      Interval{p.lo.x, p.hi.x}, {p.lo.y, p.hi.y}, {p.lo.z, p.hi.z}, {0.0, 0.0}};  // the residual does not read t
+  return evaluate_box(prepared_->split->residual, inputs, Rounding::float32, prepared_->hoisted);
+}
+
 Dual Snippet::differentiate(const glm::dvec3& p, double t_ms) const {
   const std::array<DualNumber, Program::input_count> inputs{
       DualNumber(p.x, {1, 0, 0, 0}), {p.y, {0, 1, 0, 0}}, {p.z, {0, 0, 1, 0}}, {t_ms, {0, 0, 0, 1}}};

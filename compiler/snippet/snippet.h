@@ -92,10 +92,25 @@ class Snippet {
   std::string glsl(std::string_view name, std::size_t first_time_value) const;
 
  private:
+  friend class BoxFunction;
   const TimeSplit& time_split() const;
 
   std::shared_ptr<const Program> program_;
   std::shared_ptr<const TimeSplit> split_;
+};
+
+/// A snippet over a span of time, prepared for many boxes. Immutable; cheap to copy, thread-safe.
+class BoxFunction {
+ public:
+  /// Cost: the time part of the snippet, once.
+  BoxFunction(const Snippet& snippet, const Interval& t_ms);
+
+  /// As Snippet::evaluate with Rounding::float32.
+  Interval operator()(const Box& p) const;
+
+ private:
+  struct Prepared;
+  std::shared_ptr<const Prepared> prepared_;
 };
 
 /// Compiles a function of a scene together with the FUNCTIONS blocks it may use and the library it includes.

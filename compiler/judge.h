@@ -1,0 +1,69 @@
+// What is proven of whole boxes: by intervals over boxes for snippets, by exact ranges for grids, by conservative boxes
+// for placements. The proof holds for every float32 evaluation of a device, not only for the scene in reals.
+#pragma once
+
+#include <memory>
+
+#include "compiler/flatten.h"
+#include "compiler/module.h"
+#include "compiler/program.h"
+#include "compiler/snippet/snippet.h"
+
+namespace dmvv::compiler {
+
+/// What is known of all points of a box at all times of a span.
+struct Verdict {
+  bool decided = false;  ///< all give the same answer, `region`
+  bool moves = false;    ///< not decided, and some answer may depend on the time
+  Id<Region> region;     ///< invalid: empty
+  Affine texture_from_root;  ///< decided for a region with a bitmap: of every point, wrapped as the bitmap is
+  friend bool operator==(const Verdict&, const Verdict&) = default;
+};
+
+/// Judges boxes of a module. Thread-safe after construction.
+class Judge {
+ public:
+  /// How the device that is judged for stores and filters grids (compile.h).
+  struct Options {
+    TexelFormat format = TexelFormat::r32f;
+    Filter filter = Filter::hardware;
+  };
+
+  /// All snippets over a span of time: made once, used for many boxes.
+  class Times {
+   public:
+    const snippet::Interval& span_ms() const { return span_ms_; }
+
+   private:
+    friend class Judge;
+    snippet::Interval span_ms_;
+    std::vector<snippet::BoxFunction> functions_;
+  };
+
+  /// `records` are those of flatten() for this module; their lists are searched. Cost: a pass over the grids.
+  Judge(Module module, Records records, const Options& options);
+  ~Judge();
+
+  bool is_animated() const;
+  const Module& module() const;
+  const Records& records() const;
+
+  Times times(const snippet::Interval& span_ms) const;
+  /// From -infinity to infinity.
+  const Times& always() const;
+
+  /// The box in root coordinates: of the device's points in the standard cube those that lie in it to the bit. Where a
+  /// box would take long it is given up: not decided. Cost: that of the tests on the ways that are open, at most
+  /// `most_tests`.
+  Verdict over(const snippet::Box& box, const Times& times) const;
+  static constexpr std::uint32_t most_tests = 256;  ///< of sources and placements
+
+  struct Impl;
+
+ private:
+  static Times prepare(const Module& module, const snippet::Interval& span_ms);
+
+  std::unique_ptr<const Impl> impl_;
+};
+
+}  // namespace dmvv::compiler
