@@ -152,7 +152,9 @@ GpuBuffer upload_buffer(const Device::Impl& gpu, const void* bytes, std::size_t 
 }
 
 Evaluator::Impl::Impl(const Device::Impl& device, const compiler::Program& program)
-    : gpu(device), depth(program.depth), time_functions(program.time_functions) {
+    : gpu(device), depth(program.depth), time_functions(program.time_functions), judge(program.judge),
+      has_bitmaps(std::ranges::find(program.textures, std::uint32_t{DMVV_BIND_BITMAP_ATLAS}, &compiler::Texture::binding) !=
+                  program.textures.end()) {
   for (std::size_t i = 0; i < code.size(); ++i) code[i] = program.spirv[i];
   upload(program);
   bind_scene(program);
@@ -249,7 +251,8 @@ Result<KernelPipeline> Evaluator::Impl::make_kernel(Kernel kernel, std::span<con
 
 KernelPipeline Evaluator::Impl::make_pipeline(std::span<const std::uint32_t> words,
                                               std::span<const vk::DescriptorType> io, std::uint32_t params_bytes,
-                                              std::span<const vk::Bool32> constants) const {
+                                              std::span<const vk::Bool32> constants,
+                                              const vk::raii::DescriptorSetLayout* verdict_layout) const {
   std::vector<vk::DescriptorSetLayoutBinding> bindings;
   for (std::uint32_t i = 0; i < io.size(); ++i) {
     bindings.push_back(
@@ -257,7 +260,8 @@ KernelPipeline Evaluator::Impl::make_pipeline(std::span<const std::uint32_t> wor
   }
   KernelPipeline made;
   made.io_layout = gpu.device.createDescriptorSetLayout(vk::DescriptorSetLayoutCreateInfo{}.setBindings(bindings));
-  const std::array layouts{*scene_layout, *made.io_layout};
+  std::vector<vk::DescriptorSetLayout> layouts{*scene_layout, *made.io_layout};
+  if (verdict_layout != nullptr) layouts.push_back(**verdict_layout);
   const vk::PushConstantRange params{vk::ShaderStageFlagBits::eCompute, 0, params_bytes};
   made.layout = gpu.device.createPipelineLayout(
       vk::PipelineLayoutCreateInfo{}.setSetLayouts(layouts).setPushConstantRanges(params));

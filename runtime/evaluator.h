@@ -6,10 +6,11 @@
 
 #include "runtime/gpu.h"
 #include "runtime/raster.h"
+#include "runtime/verdicts.h"
 
 namespace dmvv::runtime {
 
-/// A compute kernel: descriptor set 0 is the scene, set 1 its own input and output.
+/// A compute kernel: descriptor set 0 is the scene, set 1 its own input and output, set 2, if it has one, the verdicts.
 struct KernelPipeline {
   vk::raii::DescriptorSetLayout io_layout{nullptr};
   vk::raii::PipelineLayout layout{nullptr};
@@ -52,7 +53,7 @@ struct Frame {
   vk::raii::DescriptorPool pool{nullptr};
   vk::raii::DescriptorSet io_set{nullptr};
   std::optional<SurfaceKey> surface;  ///< of the tile that was drawn last
-  std::optional<ShadingKey> shaded;   ///< of the tile in readback; then `surface` is its surface
+  std::optional<ShadingKey> shaded;   ///< of the tile in readback and in the images; then `surface` is its surface
 };
 
 /// The passes of a frame (frame_pass_names) that are on.
@@ -60,6 +61,8 @@ struct FramePasses {
   bool pixel_list = true;
   bool keep_surface = true;
   bool keep_picture = true;
+  bool verdicts = true;
+  bool keep_still = true;
 };
 
 struct Evaluator::Impl {
@@ -68,6 +71,8 @@ struct Evaluator::Impl {
   std::uint32_t depth;
 
   std::vector<compiler::TimeFunction> time_functions;
+  std::shared_ptr<const compiler::Judge> judge;  ///< may be null
+  bool has_bitmaps;                              ///< the scene set has DMVV_BIND_BITMAP_ATLAS
   std::vector<float> time_values;  ///< of the frame
   std::optional<std::size_t> time_buffer;  ///< index into buffers: mapped, written before each evaluation
 
@@ -80,7 +85,9 @@ struct Evaluator::Impl {
 
   // Made when first needed.
   std::optional<KernelPipeline> points, list;
-  std::map<std::array<vk::Bool32, 3>, KernelPipeline> pixels;  ///< by the specialisation constants
+  std::map<std::array<vk::Bool32, 3>, KernelPipeline> pixels, classify;  ///< by the specialisation constants
+  std::optional<Verdicts> verdicts;
+  bool has_drawn = false;  ///< a frame beyond the warm-up: another one may follow, and verdicts pay
   std::optional<Rasteriser> rasteriser;
   std::optional<Frame> frame;
   std::array<bool, 3> warm{};  ///< slices, surfaces, cut surfaces: drawn once, so compiled by the driver
@@ -90,7 +97,8 @@ struct Evaluator::Impl {
   Result<KernelPipeline> make_kernel(compiler::Kernel kernel, std::span<const vk::DescriptorType> io,
                                      std::uint32_t params_bytes, std::span<const vk::Bool32> constants = {}) const;
   KernelPipeline make_pipeline(std::span<const std::uint32_t> words, std::span<const vk::DescriptorType> io,
-                               std::uint32_t params_bytes, std::span<const vk::Bool32> constants) const;
+                               std::uint32_t params_bytes, std::span<const vk::Bool32> constants,
+                               const vk::raii::DescriptorSetLayout* verdict_layout = nullptr) const;
   vk::raii::DescriptorPool make_pool(std::span<const vk::DescriptorType> types) const;
   vk::raii::DescriptorSet make_set(const vk::raii::DescriptorPool& pool,
                                    const vk::raii::DescriptorSetLayout& layout) const;
@@ -105,7 +113,9 @@ struct Evaluator::Impl {
   Result<void> warm_up(const Shot& shot, vk::Extent2D extent, const Wanted& wanted, const FramePasses& passes,
                        Timings* timings);
   Frame make_frame(vk::Extent2D extent, const Wanted& wanted) const;
-  void evaluate_tile(const vk::raii::CommandBuffer& commands, const gpu::PixelsParams& params, const FramePasses& passes);
+  void make_verdicts(const Wanted& wanted);
+  void evaluate_tile(const vk::raii::CommandBuffer& commands, const gpu::PixelsParams& params, const FramePasses& passes,
+                     bool classifies);
   /// Returns the milliseconds on the device (Device::Impl::run); 0 where the frame held the tile already.
   double render_tile(const Shot& shot, const Tile& tile, const FramePasses& passes);
 };

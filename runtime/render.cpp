@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "runtime/evaluator.h"
+#include "spirv/classify_bitmaps_comp.h"
+#include "spirv/classify_comp.h"
 #include "spirv/list_comp.h"
 
 namespace dmvv::runtime {
@@ -58,17 +60,19 @@ struct TilePixels {
   const glm::uvec4* surface;
   const std::uint32_t* regions;
   std::uint32_t unfinished;
+  std::uint32_t evaluated;  ///< pixels in the list
 };
 
 TilePixels tile_pixels(const Frame& frame, const Tile& tile) {
   const ReadbackLayout layout(pixels_of(tile), frame.wanted);
   const auto* mapped = static_cast<const std::byte*>(frame.readback.mapped);
   const bool as_bytes = frame.wanted.colors == Colors::bytes;
+  const auto& header = *reinterpret_cast<const gpu::PixelListHeader*>(mapped + layout.header);
   return {as_bytes ? nullptr : reinterpret_cast<const glm::vec4*>(mapped + layout.colors),
           as_bytes ? reinterpret_cast<const std::uint32_t*>(mapped + layout.colors) : nullptr,
           frame.wanted.positions ? reinterpret_cast<const glm::uvec4*>(mapped + layout.positions) : nullptr,
           frame.wanted.regions ? reinterpret_cast<const std::uint32_t*>(mapped + layout.regions) : nullptr,
-          reinterpret_cast<const gpu::PixelListHeader*>(mapped + layout.header)->unfinished};
+          header.unfinished, header.count};
 }
 
 /// Straight colour of the mean of samples^2 premultiplied colours. `first` is sample (0, 0), rows are `pitch` apart.
@@ -144,8 +148,10 @@ void resolve_tile(const TilePixels& from, const Tile& tile, const Shot& shot, st
   }
 }
 
-vk::ImageMemoryBarrier begin_writing(const GpuImage& image) {
-  return color_barrier(image, Layout::eUndefined, Layout::eGeneral, {}, Access::eShaderWrite | Access::eTransferWrite);
+/// Where `kept`, what was read back last stays in it.
+vk::ImageMemoryBarrier begin_writing(const GpuImage& image, bool kept) {
+  return color_barrier(image, kept ? Layout::eTransferSrcOptimal : Layout::eUndefined, Layout::eGeneral,
+                       kept ? Access::eTransferRead : vk::AccessFlags{}, Access::eShaderWrite | Access::eTransferWrite);
 }
 
 /// Uploads a slice's surface in place of a drawn one.
@@ -188,6 +194,11 @@ void read_back(const vk::raii::CommandBuffer& commands, const Frame& frame, cons
   commands.pipelineBarrier(Stage::eTransfer, Stage::eHost, {}, copied, nullptr, nullptr);
 }
 
+/// What a tile takes from the one before it, if the surface is the same and nothing but the time is different.
+bool only_time_differs(const ShadingKey& a, const ShadingKey& b) {
+  return std::memcmp(&a.params, &b.params, sizeof a.params) == 0;
+}
+
 std::array<vk::Bool32, 3> kernel_constants(const Wanted& wanted, const FramePasses& passes) {
   return {passes.pixel_list, wanted.colors == Colors::bytes, wanted.regions};
 }
@@ -203,6 +214,8 @@ const std::vector<FramePassInfo>& frame_pass_names() {
       {"pixel-list", "pixels without a surface are not evaluated"},
       {"keep-surface", "what stands still before a camera that stands still is not drawn again"},
       {"keep-picture", "a frame in which nothing changed is not evaluated again"},
+      {"verdicts", "where a proof tells the answer, nothing is evaluated; proofs are made from the second frame on"},
+      {"keep-still", "while only the time changes, what does not depend on it is not evaluated again"},
   };
   return passes;
 }
@@ -262,16 +275,30 @@ Frame Evaluator::Impl::make_frame(vk::Extent2D extent, const Wanted& wanted) con
   return made;
 }
 
-/// Lists the pixels that show a surface, and evaluates those; or all.
+/// Made before the second frame: one picture alone does without.
+void Evaluator::Impl::make_verdicts(const Wanted& wanted) {
+  if (!verdicts) verdicts.emplace(gpu, judge);
+  auto constants = kernel_constants(wanted, {});
+  if (classify.contains(constants)) return;
+  std::array stage_constants = constants;
+  stage_constants[DMVV_CONST_LISTED] = VK_FALSE;
+  const std::span<const std::uint32_t> code_words =
+      has_bitmaps ? std::span<const std::uint32_t>(classify_bitmaps_comp) : std::span<const std::uint32_t>(classify_comp);
+  classify.emplace(constants, make_pipeline(code_words, pixel_io, sizeof(gpu::PixelsParams), stage_constants, &verdicts->layout()));
+}
+
+/// Lists the pixels that show a surface and that no verdict answers, and evaluates those; or all.
 void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, const gpu::PixelsParams& params,
-                                    const FramePasses& passes) {
+                                    const FramePasses& passes, bool classifies) {
+  const bool kept = params.keeps_still != 0, as_bytes = frame->wanted.colors == Colors::bytes;
   const gpu::PixelListHeader nothing{0, 1, 1, 0, 0, 0, 0, 0};
   commands.updateBuffer<gpu::PixelListHeader>(*frame->list.buffer, 0, nothing);
   commands.pipelineBarrier(Stage::eTopOfPipe, Stage::eComputeShader | Stage::eTransfer, {}, nullptr, nullptr,
-                           {begin_writing(frame->color), begin_writing(frame->bytes), begin_writing(frame->region)});
-  if (passes.pixel_list) {  // what is not evaluated is empty
+                           {begin_writing(frame->color, kept && !as_bytes), begin_writing(frame->bytes, kept && as_bytes),
+                            begin_writing(frame->region, kept && frame->wanted.regions)});
+  if (passes.pixel_list && !kept) {  // what is not evaluated is empty
     const vk::ClearColorValue empty{};
-    commands.clearColorImage(frame->wanted.colors == Colors::bytes ? *frame->bytes.image : *frame->color.image,
+    commands.clearColorImage(as_bytes ? *frame->bytes.image : *frame->color.image,
                              Layout::eGeneral, empty, color_range);
     if (frame->wanted.regions) commands.clearColorImage(*frame->region.image, Layout::eGeneral, empty, color_range);
   }
@@ -288,7 +315,9 @@ void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, con
     commands.pushConstants<gpu::PixelsParams>(*kernel.layout, vk::ShaderStageFlagBits::eCompute, 0, params);
   };
   if (passes.pixel_list) {
-    bind(*list);
+    const KernelPipeline& lister = classifies ? classify.at(kernel_constants(frame->wanted, passes)) : *list;
+    bind(lister);
+    if (classifies) commands.bindDescriptorSets(compute, *lister.layout, 2, *verdicts->set(), nullptr);
     commands.dispatch(groups, 1, 1);
     const vk::MemoryBarrier listed{.srcAccessMask = Access::eShaderWrite,
                                    .dstAccessMask = Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead};
@@ -312,6 +341,13 @@ double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const Fr
   if (passes.keep_picture && has_surface && frame->shaded == shading) return 0.0;
 
   const bool draws = !(passes.keep_surface && has_surface);
+  const bool classifies = passes.verdicts && passes.pixel_list && judge && has_drawn;
+  if (classifies) {
+    make_verdicts(frame->wanted);
+    verdicts->begin_frame();
+    params.hits_to_split = verdicts->hits_to_split();
+    params.keeps_still = passes.keep_still && !draws && frame->shaded && only_time_differs(*frame->shaded, shading);
+  }
   if (shot.slice && frame->slice_surface.bytes == 0) {
     const vk::DeviceSize bytes = vk::DeviceSize{16} * frame->targets.extent.width * frame->targets.extent.height;
     frame->slice_surface = gpu.make_buffer(bytes, vk::BufferUsageFlagBits::eTransferSrc, MemoryUse::upload);
@@ -321,11 +357,12 @@ double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const Fr
   const double ms = gpu.run([&](const vk::raii::CommandBuffer& commands) {
     if (draws && shot.slice) draw_slice(commands, *frame, shot, tile);
     if (draws && !shot.slice) rasteriser->draw(commands, frame->targets, shot, tile);
-    evaluate_tile(commands, params, passes);
+    evaluate_tile(commands, params, passes, classifies);
     read_back(commands, *frame, tile);
   });
   frame->surface = std::move(surface);
   frame->shaded = std::move(shading);
+  if (classifies) verdicts->end_frame(tile_pixels(*frame, tile).evaluated, ms);
   return ms;
 }
 
@@ -368,7 +405,8 @@ Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
   const vk::Extent2D extent = tile_extent(shot->size_px, view.samples);
   const Wanted wanted{view.samples == 1 ? view.colors : Colors::floats,  // the mean of samples is taken in float
                       view.want_regions || view.want_depth, view.want_depth || view.want_positions};
-  const FramePasses passes{enabled(view, "pixel-list"), enabled(view, "keep-surface"), enabled(view, "keep-picture")};
+  const FramePasses passes{enabled(view, "pixel-list"), enabled(view, "keep-surface"), enabled(view, "keep-picture"),
+                           enabled(view, "verdicts"), enabled(view, "keep-still")};
   if (const auto ready = warm_up(*shot, extent, wanted, passes, timings); !ready) return tl::unexpected(ready.error());
 
   const Stopwatch watch(timings, "frame");
@@ -384,6 +422,7 @@ Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
       resolve_tile(result, tile, *shot, view.samples, picture);
     }
   }
+  has_drawn = true;
   if (unfinished != 0) {
     return fail(Fault::input,
                 fmt::format("{} pixels needed more loop rounds than this device grants (65,535)", unfinished),

@@ -37,6 +37,17 @@ void list_pixel(uvec2 pixel) {
   if (slot % DMVV_PIXELS_GROUP_SIZE == 0u) atomicAdd(list.header.groups_x, 1u);
 }
 
+// The point of root coordinates that a surface texel stands for.
+vec3 surface_point(uvec4 surface) { return clamp(surface_position(surface), params.bounds_lo.xyz, params.bounds_hi.xyz); }
+
+// Share of a surface's colour that remains when it faces away from the light.
+const float ambient = 0.35;
+
+vec4 shade(vec4 rgba, uvec4 surface) {
+  float lit = ambient + (1.0 - ambient) * max(dot(surface_normal(surface), params.light.xyz), 0.0);
+  return vec4(params.light.w != 0.0 ? rgba.rgb * lit : rgba.rgb, rgba.a);
+}
+
 // As runtime::to_byte rounds.
 uint pack_bytes(vec4 rgba) {
   uvec4 b = uvec4(clamp(rgba, 0.0, 1.0) * 255.0 + 0.5);

@@ -37,7 +37,14 @@ using uvec4 = glm::uvec4;
 #define DMVV_BIND_REGION 3   // r32ui out, if wanted: region number, 0 where empty
 #define DMVV_BIND_LIST 4     // PixelListHeader, then the listed pixels: x, and y in the upper half
 
-// ---- specialisation constants of `pixels` ----
+// ---- bindings of descriptor set 2 of `classify`: a tree of verdicts ----
+#define DMVV_BIND_VERDICT_WORDS 0
+#define DMVV_BIND_VERDICT_HITS 1  // uint[] like the words: pixels that were left to be evaluated
+#define DMVV_BIND_OUTCOMES 2      // RegionRecord[], texture_from_object being texture_from_root
+#define DMVV_BIND_BUSY_CELLS 3    // a count, then words of cells that were hit often
+#define DMVV_MOST_BUSY_CELLS 65536u
+
+// ---- specialisation constants of `pixels` and `classify` ----
 #define DMVV_CONST_LISTED 0   // the pixels of the list, else all
 #define DMVV_CONST_BYTES 1    // writes DMVV_BIND_BYTES, else DMVV_BIND_COLOR
 #define DMVV_CONST_REGIONS 2  // writes DMVV_BIND_REGION
@@ -70,7 +77,8 @@ struct PixelsParams {
   vec4 bounds_hi;
   vec4 light;      // xyz: unit vector from the surface to the light, root frame; w: 1 lit, 0 unlit
   uint width, height;
-  uint pad0, pad1;
+  uint hits_to_split;  // `classify`: a power of two, or 0: hits are not counted
+  uint keeps_still;    // `classify`: 1 if the images hold these pixels as of another time
 };
 
 // What `list` counts, and an indirect dispatch reads.

@@ -1,0 +1,44 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/records.h"
+#include "shaders/surface.glsl"
+#include "shaders/pixel_io.glsl"
+#include "shaders/verdicts.glsl"
+// Answers the pixels of cells that are decided, and lists the others that show a surface. In place of `list`.
+
+#ifdef DMVV_BITMAPS
+layout(set = 0, binding = DMVV_BIND_BITMAP_ATLAS) uniform sampler3D bitmap_atlas;
+#endif
+
+vec4 color_of_outcome(uint outcome, vec3 p) {
+  vec4 color = outcomes[outcome].color;
+#ifdef DMVV_BITMAPS
+  AffineRows a = outcomes[outcome].texture_from_object;
+  vec3 q = vec3(dot(a.x.xyz, p) + a.x.w, dot(a.y.xyz, p) + a.y.w, dot(a.z.xyz, p) + a.z.w);
+  vec3 slot = fract((q + 1.0) * 0.5) * outcomes[outcome].slot_scale.xyz + outcomes[outcome].slot_offset.xyz;
+  vec4 texel = textureLod(bitmap_atlas, slot, 0.0);
+  if (outcomes[outcome].slot_scale.w != 0.0) color = vec4(texel.rgb, texel.a * color.a);
+#endif
+  return color;
+}
+
+void main() {
+  uvec2 pixel;
+  if (!find_pixel(pixel)) return;
+  uvec4 surface = imageLoad(surface_image, ivec2(pixel));
+  if (surface.w == 0u) return;
+  vec3 p = surface_point(surface);
+  uint cell = find_verdict(p);
+  uint word = verdict_words[cell];
+  bool in_cube = all(lessThanEqual(abs(p), vec3(1.0)));
+  if (in_cube && (word & DMVV_VERDICT_DECIDED) != 0u) {
+    if (params.keeps_still != 0u) return;
+    uint outcome = word & DMVV_VERDICT_VALUE;
+    uint number = outcomes[outcome].number;
+    store_pixel(pixel, number != 0u ? shade(color_of_outcome(outcome, p), surface) : vec4(0.0), number, false);
+    return;
+  }
+  if (params.keeps_still != 0u && (word & DMVV_VERDICT_STILL) != 0u) return;
+  list_pixel(pixel);
+  if (params.hits_to_split != 0u && (word & DMVV_VERDICT_FINAL) == 0u) count_hit(cell, params.hits_to_split);
+}
