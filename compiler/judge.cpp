@@ -1,8 +1,10 @@
-// One box, all ways through the scene that it leaves open.
+// One box, all ways through the scene that it leaves open. The ways are kept as a tree of arrivals: a box within asks the
+// arrival of the wider box first, and tests only what is open there.
 #include "compiler/judge.h"
 
 #include <algorithm>
 #include <cmath>
+#include <forward_list>
 #include <glm/vector_relational.hpp>
 #include <limits>
 #include <optional>
@@ -28,17 +30,21 @@ glm::dvec3 abs_times(const glm::dmat3& m, const glm::dvec3& v) {
   return glm::abs(m[0]) * v.x + glm::abs(m[1]) * v.y + glm::abs(m[2]) * v.z;
 }
 
-/// The points of the box as they arrive in some frame.
-struct Spot {
-  Affine frame_from_root;
+/// Where points of root coordinates arrive, and how far off a device's may be.
+struct Frame {
+  Affine from_root;
   ErrorBound error;
-  glm::dvec3 center, half;  ///< their bounds in the frame, the device's errors included
-
-  void set_bounds(const snippet::Box& root) {
-    center = frame_from_root(0.5 * (root.lo + root.hi));
-    half = abs_times(frame_from_root.linear, 0.5 * (root.hi - root.lo)) + error.component;
-  }
 };
+
+/// Bounds of a box's points in a frame, the device's errors included.
+struct Spot {
+  glm::dvec3 center, half;
+};
+
+Spot spot_in(const Frame& frame, const snippet::Box& box) {
+  return {frame.from_root(0.5 * (box.lo + box.hi)),
+          abs_times(frame.from_root.linear, 0.5 * (box.hi - box.lo)) + frame.error.component};
+}
 
 Held held_by(const Spot& q, const glm::dvec3& lo, const glm::dvec3& hi) {
   const glm::dvec3 half = q.half + float_unit * glm::max(glm::abs(lo), glm::abs(hi));  // the bounds are rounded as well
@@ -49,6 +55,25 @@ Held held_by(const Spot& q, const glm::dvec3& lo, const glm::dvec3& hi) {
 }
 
 Held held_by_cube(const Spot& q) { return held_by(q, glm::dvec3(-1.0), glm::dvec3(1.0)); }
+
+/// The frame of a placement in a frame in which the points are at `spot`.
+Frame enter(const Affine& step, const Frame& from, const Spot& spot) {
+  return {step * from.from_root, carry(step, from.error, float_error(step, glm::abs(spot.center) + spot.half))};
+}
+
+/// Wraps a frame so that the spot lies in [-1,1)^3. None if it meets a seam.
+std::optional<Frame> wrap(const Frame& frame, Spot& spot) {
+  const glm::dvec3 added = 4.0 * float_unit * (glm::abs(spot.center) + spot.half + 1.0);
+  const glm::dvec3 turns = 2.0 * glm::floor((spot.center + 1.0) * 0.5);
+  spot.half += added;
+  spot.center -= turns;
+  if (held_by_cube(spot) != Held::inside) return std::nullopt;
+  Frame wrapped = frame;
+  wrapped.from_root.translation -= turns;
+  wrapped.error.component += added;
+  wrapped.error.length += glm::length(added);
+  return wrapped;
+}
 
 }  // namespace
 
@@ -77,237 +102,323 @@ struct Judge::Impl {
     }
     always = prepare(module, {-infinity, infinity});
   }
+
+  bool is_animated(const Sdf& sdf) const {
+    const auto* function = std::get_if<Id<Function>>(&sdf.source);
+    return function != nullptr && animated[function->index];
+  }
+
+  /// What a lookup lists for the cells that a spot touches, ascending; none if that is too much.
+  std::optional<std::vector<std::uint32_t>> listed(const gpu::LookupRecord& lookup, const Spot& q) const;
+  /// Of the source of an SDF at points of a frame.
+  Side side_of(Id<Sdf> id, const Spot& q, std::span<const snippet::BoxFunction> functions) const;
+
+ private:
+  Range range_of_grid(Id<voml::Grid> id, double iso, const glm::dvec3& lo, const glm::dvec3& hi) const;
 };
+
+std::optional<std::vector<std::uint32_t>> Judge::Impl::listed(const gpu::LookupRecord& lookup, const Spot& q) const {
+  const glm::dvec3 lo(lookup.lo), per_unit(lookup.cells_per_unit);
+  const glm::dvec3 last = glm::dvec3(lookup.size_x, lookup.size_y, lookup.size_z) - 1.0;
+  const auto cell = [&](const glm::dvec3& p) {
+    return glm::uvec3(glm::clamp(glm::floor((p - lo) * per_unit), glm::dvec3(0.0), last));
+  };
+  const glm::uvec3 first = cell(q.center - q.half), end = cell(q.center + q.half) + 1u;
+  const glm::u64vec3 width(end - first);
+  if (width.x * width.y * width.z > most_cells) return std::nullopt;
+  std::vector<std::uint32_t> all;
+  for (std::uint32_t z = first.z; z < end.z; ++z) {
+    for (std::uint32_t y = first.y; y < end.y; ++y) {
+      for (std::uint32_t x = first.x; x < end.x; ++x) {
+        const std::size_t c = lookup.first_cell + (std::size_t{z} * lookup.size_y + y) * lookup.size_x + x;
+        all.insert(all.end(), records.lists.begin() + records.cells[c], records.lists.begin() + records.cells[c + 1]);
+      }
+    }
+  }
+  if (width != glm::u64vec3(1)) {
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+  }
+  return all.size() <= Inquiry::most_tests ? std::optional(std::move(all)) : std::nullopt;
+}
+
+Side Judge::Impl::side_of(Id<Sdf> id, const Spot& q, std::span<const snippet::BoxFunction> functions) const {
+  const Sdf& sdf = at(module.sdfs, id);
+  const LocalBox& domain = boxes[id.index];
+  const Held held = held_by(q, domain.lo, domain.hi);
+  if (held == Held::outside) return Side::positive;
+  const glm::dvec3 rounding = float_unit * glm::max(glm::abs(domain.lo), glm::abs(domain.hi));
+  const glm::dvec3 lo = glm::max(q.center - q.half, domain.lo - rounding);
+  const glm::dvec3 hi = glm::min(q.center + q.half, domain.hi + rounding);
+  Range value;
+  if (const auto* function = std::get_if<Id<Function>>(&sdf.source)) {
+    const snippet::Interval f = functions[function->index]({glm::min(lo, hi), glm::max(lo, hi)});
+    const double slack = float_unit * std::abs(sdf.iso);
+    value = {f.lo - slack, f.maybe_nan ? infinity : f.hi + slack};  // NaN is above any iso
+  } else {
+    value = range_of_grid(std::get<Id<voml::Grid>>(sdf.source), sdf.iso, lo, hi);
+  }
+  if (value.lo > sdf.iso) return Side::positive;
+  return held == Held::inside && value.hi <= sdf.iso ? Side::negative : Side::open;
+}
+
+Range Judge::Impl::range_of_grid(Id<voml::Grid> id, double iso, const glm::dvec3& lo, const glm::dvec3& hi) const {
+  const voml::Grid& grid = at(module.grids, id);
+  const GridRange& range = ranges[id.index];
+  const glm::dvec3 samples_per_unit = glm::dvec3(grid.size) / (grid.box_hi - grid.box_lo);
+  const glm::dvec3 error = sample_error(grid, glm::dvec3(0.0));
+  const glm::dvec3 a = (lo - grid.box_lo) * samples_per_unit - 0.5 - error;
+  const glm::dvec3 b = (hi - grid.box_lo) * samples_per_unit - 0.5 + error;
+  const double slack = filter_error(range.bounds(), iso, options.format, options.filter);
+  if (options.filter == Filter::tricubic) {
+    const double middle = sample_tricubic(grid, 0.5 * (lo + hi));
+    const double reach = tricubic_slope * glm::dot(0.5 * (b - a), range.bounds().slope) + slack;
+    return {middle - reach, middle + reach};
+  }
+  const Range exact = range.over(a, b);
+  return {exact.lo - slack, exact.hi + slack};
+}
+
+// ---- inquiries ----
 
 namespace {
 
-/// The judgement of one box.
-class Case {
- public:
-  Case(const Judge::Impl& judge, std::span<const snippet::BoxFunction> functions, const snippet::Box& box)
-      : judge_(judge), module_(judge.module), functions_(functions), box_(box) {}
+/// An SDF over a box.
+struct AskedSdf {
+  Id<Sdf> sdf;
+  Side side;
+  bool has_all;                     ///< `open` has every placement that is open
+  std::vector<const Frame*> open;   ///< placements whose sources are open
+};
 
-  Verdict run() {
-    Spot root{};
-    root.set_bounds(box_);
-    if (evaluate(module_.root, root) != Answers::always) add_outcome({}, {});
-    Verdict verdict;
-    verdict.decided = !given_up_ && !conflict_;
-    verdict.moves = given_up_ ? judge_.any_animated : conflict_ && moves_;
-    if (verdict.decided) {
-      verdict.region = outcome_->region;
-      verdict.texture_from_root = outcome_->texture_from_root;
-    }
-    return verdict;
-  }
+struct Arrival;
 
- private:
+struct AskedCandidate {
+  std::uint32_t index;  ///< in the group
+  const Frame* frame;   ///< of the local points; if tiled, before they are wrapped
+  Held held;            ///< tiled: inside, or partly where the box meets a seam
+  std::unique_ptr<Arrival> arrival;
+};
+
+/// A group over a box: what may hold a point of it.
+struct AskedGroup {
+  const CandidateGroup* group;
+  Held held;      ///< by the group's own box
+  bool too_many;  ///< then there are no candidates, and nothing is known
+  std::vector<AskedCandidate> candidates;
+};
+
+/// An object that some point of the box may come to, by one way.
+struct Arrival {
+  const Frame* frame;
+  Spot spot;
+  Arrival* wider;  ///< of the same object, by the same way, over the wider box; null if there is none
+  std::vector<AskedSdf> sdfs = {};
+  std::vector<AskedGroup> groups = {};
+};
+
+}  // namespace
+
+struct Inquiry::Impl {
+  const Judge::Impl& judge;
+  const Module& module;
+  const Judge::Times& times;
+  std::span<const snippet::BoxFunction> functions;
+  snippet::Box box;
+  Impl* wider = nullptr;
+  std::forward_list<Frame> frames;
+  Arrival root;
+
+  // Of the verdict that is being found.
   struct Outcome {
     Id<Region> region;
     Affine texture_from_root;
     friend bool operator==(const Outcome&, const Outcome&) = default;
   };
+  std::optional<Outcome> outcome;  ///< the first that was found
+  bool conflict = false;           ///< there is another one
+  bool moves = false;
+  bool given_up = false;
+  std::uint32_t tests = 0;
+
+  Impl(const Judge::Impl& j, const Judge::Times& t, std::span<const snippet::BoxFunction> f, const snippet::Box& b)
+      : judge(j), module(j.module), times(t), functions(f), box(b) {
+    root.frame = &frames.emplace_front();
+    root.spot = spot_in(*root.frame, box);
+    root.wider = nullptr;
+  }
+  Impl(Impl& w, const snippet::Box& b) : judge(w.judge), module(w.module), times(w.times), functions(w.functions), box(b), wider(&w) {
+    root.frame = w.root.frame;
+    root.spot = spot_in(*root.frame, box);
+    root.wider = &w.root;
+  }
+
+  Verdict run() {
+    if (follow_object(module.root, root) != Answers::always) add_outcome({}, {});
+    Verdict verdict;
+    verdict.decided = !given_up && !conflict;
+    verdict.moves = given_up ? judge.any_animated : conflict && moves;
+    if (verdict.decided) {
+      verdict.region = outcome->region;
+      verdict.texture_from_root = outcome->texture_from_root;
+    }
+    return verdict;
+  }
 
   void add_outcome(Id<Region> region, const Affine& texture_from_root) {
-    const Outcome outcome{region, texture_from_root};
-    conflict_ = conflict_ || (outcome_ && *outcome_ != outcome);
-    if (!outcome_) outcome_ = outcome;
+    const Outcome found{region, texture_from_root};
+    conflict = conflict || (outcome && *outcome != found);
+    if (!outcome) outcome = found;
   }
 
   /// Nothing that follows can change what is said.
-  bool is_over() const { return given_up_ || (conflict_ && (moves_ || !judge_.any_animated)); }
+  bool is_over() const { return given_up || (conflict && (moves || !judge.any_animated)); }
 
-  void test() { given_up_ = given_up_ || ++tests_ > Judge::most_tests; }
+  void count_test() { given_up = given_up || ++tests > most_tests; }
 
-  Spot enter(const Affine& step, const Spot& from) {
-    test();
-    Spot q{step * from.frame_from_root, carry(step, from.error, float_error(step, glm::abs(from.center) + from.half)), {}, {}};
-    q.set_bounds(box_);
-    return q;
-  }
+  // ---- SDFs ----
 
-  /// Wraps into [-1,1)^3. False if the box meets a seam.
-  static bool wrap(Spot& q) {
-    const glm::dvec3 added = 4.0 * float_unit * (glm::abs(q.center) + q.half + 1.0);
-    q.half += added;
-    q.error.component += added;
-    q.error.length += glm::length(added);
-    const glm::dvec3 turns = glm::floor((q.center + 1.0) * 0.5);
-    q.center -= 2.0 * turns;
-    q.frame_from_root.translation -= 2.0 * turns;
-    return held_by_cube(q) == Held::inside;
-  }
-
-  // ---- lists ----
-
-  /// What a lookup lists for the cells that a box touches, ascending; none if it touches too many.
-  std::optional<std::vector<std::uint32_t>> listed(const gpu::LookupRecord& lookup, const Spot& q) {
-    const glm::dvec3 lo(lookup.lo), per_unit(lookup.cells_per_unit);
-    const glm::dvec3 last = glm::dvec3(lookup.size_x, lookup.size_y, lookup.size_z) - 1.0;
-    const auto cell = [&](const glm::dvec3& p) { return glm::uvec3(glm::clamp(glm::floor((p - lo) * per_unit), glm::dvec3(0.0), last)); };
-    const glm::uvec3 first = cell(q.center - q.half), end = cell(q.center + q.half) + 1u;
-    const glm::u64vec3 width(end - first);
-    if (width.x * width.y * width.z > most_cells) return std::nullopt;
-    std::vector<std::uint32_t> all;
-    for (std::uint32_t z = first.z; z < end.z; ++z) {
-      for (std::uint32_t y = first.y; y < end.y; ++y) {
-        for (std::uint32_t x = first.x; x < end.x; ++x) {
-          const std::size_t c = lookup.first_cell + (std::size_t{z} * lookup.size_y + y) * lookup.size_x + x;
-          const auto lists = judge_.records.lists.begin();
-          all.insert(all.end(), lists + judge_.records.cells[c], lists + judge_.records.cells[c + 1]);
-        }
-      }
+  const AskedSdf& ask(Id<Sdf> id, Arrival& arrival) {
+    const auto known = std::ranges::find(arrival.sdfs, id, &AskedSdf::sdf);
+    if (known != arrival.sdfs.end()) return *known;
+    const AskedSdf* before = arrival.wider != nullptr ? &wider->ask(id, *arrival.wider) : nullptr;
+    AskedSdf asked{id, Side::positive, true, {}};
+    if (before != nullptr && before->side != Side::open) {
+      asked.side = before->side;
+    } else if (before != nullptr && before->has_all) {
+      for (const Frame* frame : before->open) ask_source(*frame, asked);
+    } else {
+      ask_all_sources(arrival, asked);
     }
-    if (width != glm::u64vec3(1)) {
-      std::sort(all.begin(), all.end());
-      all.erase(std::unique(all.begin(), all.end()), all.end());
+    return arrival.sdfs.emplace_back(std::move(asked));
+  }
+
+  void ask_all_sources(const Arrival& arrival, AskedSdf& asked) {
+    const Sdf& sdf = at(module.sdfs, asked.sdf);
+    if (sdf.placement != voml::Placement::seeded) {
+      return ask_source(frames.emplace_front(enter(sdf.local_from_object.front(), *arrival.frame, arrival.spot)), asked);
     }
-    return all;
-  }
-
-  // ---- decisions ----
-
-  bool is_animated(const Sdf& sdf) const {
-    const auto* function = std::get_if<Id<Function>>(&sdf.source);
-    return function != nullptr && judge_.animated[function->index];
-  }
-
-  Side decide(Id<Sdf> id, const Spot& p) {
-    const Sdf& sdf = at(module_.sdfs, id);
-    const Side side = sdf.placement == voml::Placement::seeded ? decide_seeded(id, sdf, p) : decide_placed(id, sdf, p);
-    moves_ = moves_ || (side == Side::open && is_animated(sdf));
-    return side;
-  }
-
-  Side decide_placed(Id<Sdf> id, const Sdf& sdf, const Spot& p) {
-    Spot q = enter(sdf.local_from_object.front(), p);
-    if (sdf.placement == voml::Placement::tiled && !wrap(q)) return Side::open;
-    return decide_source(id, sdf, q);
-  }
-
-  Side decide_seeded(Id<Sdf> id, const Sdf& sdf, const Spot& p) {
-    const auto seeds = listed(judge_.records.sdfs[id.index].lookup, p);
+    const auto seeds = judge.listed(judge.records.sdfs[asked.sdf.index].lookup, arrival.spot);
     if (!seeds) {
-      given_up_ = true;
-      return Side::open;
+      asked.side = Side::open;
+      asked.has_all = false;
+      return;
     }
-    Side all = Side::positive;
     for (const std::uint32_t i : *seeds) {
-      if (given_up_) break;
-      const Side one = decide_source(id, sdf, enter(sdf.local_from_object[i], p));
-      if (one == Side::negative) return one;
-      if (one == Side::open) all = one;
+      ask_source(frames.emplace_front(enter(sdf.local_from_object[i], *arrival.frame, arrival.spot)), asked);
     }
-    return all;
   }
 
-  Side decide_source(Id<Sdf> id, const Sdf& sdf, const Spot& q) {
-    const LocalBox& domain = judge_.boxes[id.index];
-    const Held held = held_by(q, domain.lo, domain.hi);
-    if (held == Held::outside) return Side::positive;
-    const Range value = range_of(sdf, q, domain);
-    if (value.lo > sdf.iso) return Side::positive;
-    return held == Held::inside && value.hi <= sdf.iso ? Side::negative : Side::open;
+  /// Takes one placement into account: any negative one decides, all positive ones do.
+  void ask_source(const Frame& frame, AskedSdf& asked) {
+    if (asked.side == Side::negative) return;
+    count_test();
+    Spot q = spot_in(frame, box);
+    const bool is_tiled = at(module.sdfs, asked.sdf).placement == voml::Placement::tiled;
+    const Side side = is_tiled && !wrap(frame, q) ? Side::open : judge.side_of(asked.sdf, q, functions);
+    if (side != Side::positive) asked.side = side;
+    if (side == Side::open) asked.open.push_back(&frame);
   }
 
-  /// Of f over the part of the box in the domain, its errors included; a value that may be NaN is above any iso.
-  Range range_of(const Sdf& sdf, const Spot& q, const LocalBox& domain) const {
-    const glm::dvec3 rounding = float_unit * glm::max(glm::abs(domain.lo), glm::abs(domain.hi));
-    const glm::dvec3 lo = glm::max(q.center - q.half, domain.lo - rounding);
-    const glm::dvec3 hi = glm::min(q.center + q.half, domain.hi + rounding);
-    if (const auto* id = std::get_if<Id<Function>>(&sdf.source)) {
-      const snippet::Interval f = functions_[id->index]({glm::min(lo, hi), glm::max(lo, hi)});
-      const double slack = float_unit * std::abs(sdf.iso);
-      return {f.lo - slack, f.maybe_nan ? infinity : f.hi + slack};
+  // ---- groups ----
+
+  AskedGroup& ask(const CandidateGroup& group, const gpu::GroupRecord& record, Arrival& arrival) {
+    const auto known = std::ranges::find(arrival.groups, &group, &AskedGroup::group);
+    if (known != arrival.groups.end()) return *known;
+    AskedGroup* before = arrival.wider != nullptr ? &wider->ask(group, record, *arrival.wider) : nullptr;
+    AskedGroup asked{&group, Held::inside, false, {}};
+    const Frame in_frame = group.box_from_object ? enter(*group.box_from_object, *arrival.frame, arrival.spot) : *arrival.frame;
+    const Spot in_box = group.box_from_object ? spot_in(in_frame, box) : arrival.spot;
+    if (group.box_from_object) asked.held = held_by_cube(in_box);
+    if (asked.held == Held::outside) return arrival.groups.emplace_back(std::move(asked));
+    if (before != nullptr && !before->too_many) {
+      for (AskedCandidate& candidate : before->candidates) {
+        const bool is_tiled = group.candidates[candidate.index].tiled;  // perhaps not wrapped there
+        ask_candidate(candidate.index, *candidate.frame, is_tiled ? nullptr : candidate.arrival.get(), asked);
+      }
+    } else if (const auto candidates = judge.listed(record.lookup, in_box)) {
+      for (const std::uint32_t i : *candidates) {
+        const Affine& step = group.candidates[i].local_from_parent;
+        ask_candidate(i, frames.emplace_front(enter(step, *arrival.frame, arrival.spot)), nullptr, asked);
+      }
+    } else {
+      asked.too_many = true;
     }
-    return range_of_grid(std::get<Id<voml::Grid>>(sdf.source), sdf.iso, lo, hi);
+    return arrival.groups.emplace_back(std::move(asked));
   }
 
-  Range range_of_grid(Id<voml::Grid> id, double iso, const glm::dvec3& lo, const glm::dvec3& hi) const {
-    const voml::Grid& grid = at(module_.grids, id);
-    const GridRange& range = judge_.ranges[id.index];
-    const glm::dvec3 samples_per_unit = glm::dvec3(grid.size) / (grid.box_hi - grid.box_lo);
-    const glm::dvec3 error = sample_error(grid, glm::dvec3(0.0));
-    const glm::dvec3 a = (lo - grid.box_lo) * samples_per_unit - 0.5 - error;
-    const glm::dvec3 b = (hi - grid.box_lo) * samples_per_unit - 0.5 + error;
-    const double slack = filter_error(range.bounds(), iso, judge_.options.format, judge_.options.filter);
-    if (judge_.options.filter == Filter::tricubic) {
-      const double middle = sample_tricubic(grid, 0.5 * (lo + hi));
-      const double reach = tricubic_slope * glm::dot(0.5 * (b - a), range.bounds().slope) + slack;
-      return {middle - reach, middle + reach};
+  void ask_candidate(std::uint32_t index, const Frame& frame, Arrival* before, AskedGroup& asked) {
+    count_test();
+    AskedCandidate candidate{index, &frame, Held::inside, std::make_unique<Arrival>()};
+    Arrival& arrival = *candidate.arrival;
+    arrival.frame = &frame;
+    arrival.spot = spot_in(frame, box);
+    arrival.wider = before;
+    if (asked.group->candidates[index].tiled) {
+      const auto wrapped = wrap(frame, arrival.spot);
+      candidate.held = wrapped ? Held::inside : Held::partly;
+      if (wrapped) arrival.frame = &frames.emplace_front(*wrapped);
+    } else {
+      candidate.held = held_by_cube(arrival.spot);
     }
-    const Range exact = range.over(a, b);
-    return {exact.lo - slack, exact.hi + slack};
+    if (candidate.held != Held::outside) asked.candidates.push_back(std::move(candidate));
   }
 
-  // ---- objects ----
+  // ---- the ways ----
 
-  Answers evaluate(Id<Object> object, const Spot& p) { return follow(at(module_.objects, object).root, p); }
+  Answers follow_object(Id<Object> object, Arrival& arrival) { return follow(at(module.objects, object).root, arrival); }
 
-  Answers follow(Id<Node> node, const Spot& p) {
+  Answers follow(Id<Node> node, Arrival& arrival) {
     if (is_over()) return Answers::sometimes;
-    if (const auto* region = std::get_if<Id<Region>>(&at(module_.nodes, node).content)) return answer(*region, p);
-    const auto& decision = std::get<Decision>(at(module_.nodes, node).content);
-    const Side side = decide(decision.sdf, p);
-    if (side == Side::negative) return follow(decision.negative, p);
-    if (side == Side::positive) return follow(decision.positive, p);
-    const Answers negative = follow(decision.negative, p), positive = follow(decision.positive, p);
+    if (const auto* region = std::get_if<Id<Region>>(&at(module.nodes, node).content)) return answer(*region, arrival);
+    const auto& decision = std::get<Decision>(at(module.nodes, node).content);
+    const AskedSdf& asked = ask(decision.sdf, arrival);  // until the next is asked
+    const Side side = asked.side;
+    given_up = given_up || !asked.has_all;
+    if (side == Side::negative) return follow(decision.negative, arrival);
+    if (side == Side::positive) return follow(decision.positive, arrival);
+    moves = moves || judge.is_animated(at(module.sdfs, decision.sdf));
+    const Answers negative = follow(decision.negative, arrival), positive = follow(decision.positive, arrival);
     return negative == positive ? negative : Answers::sometimes;
   }
 
-  Answers answer(Id<Region> id, const Spot& p) {
-    const Region& region = at(module_.regions, id);
+  Answers answer(Id<Region> id, Arrival& arrival) {
+    const Region& region = at(module.regions, id);
     bool any = false;
     for (std::size_t g = 0; g < region.groups.size() && !is_over(); ++g) {
-      const Answers group = ask(region.groups[g], judge_.records.groups[judge_.records.regions[id.index].first_group + g], p);
+      const gpu::GroupRecord& record = judge.records.groups[judge.records.regions[id.index].first_group + g];
+      const Answers group = answer(region.groups[g], record, arrival);
       if (group == Answers::always) return group;
       any = any || group == Answers::sometimes;
     }
     if (region.number == 0) return any ? Answers::sometimes : Answers::never;
     const bool is_bitmap = region.kind == voml::RegionKind::bitmap;
-    add_outcome(id, is_bitmap ? region.texture_from_object * p.frame_from_root : Affine{});
+    add_outcome(id, is_bitmap ? region.texture_from_object * arrival.frame->from_root : Affine{});
     return Answers::always;
   }
 
-  Answers ask(const CandidateGroup& group, const gpu::GroupRecord& record, const Spot& p) {
-    const Spot in_frame = group.box_from_object ? enter(*group.box_from_object, p) : p;
-    const Held asked = group.box_from_object ? held_by_cube(in_frame) : Held::inside;
-    if (asked == Held::outside) return Answers::never;
-    const auto candidates = listed(record.lookup, in_frame);
-    given_up_ = given_up_ || !candidates;
+  Answers answer(const CandidateGroup& group, const gpu::GroupRecord& record, Arrival& arrival) {
+    AskedGroup& asked = ask(group, record, arrival);
+    if (asked.held == Held::outside) return Answers::never;
+    given_up = given_up || asked.too_many;
     bool any = false;
-    for (std::size_t k = 0; !is_over() && k < candidates->size(); ++k) {
-      const Answers one = ask(group.candidates[(*candidates)[k]], p);
-      if (one == Answers::always && asked == Held::inside) return one;
+    for (std::size_t k = 0; k < asked.candidates.size() && !is_over(); ++k) {
+      const Answers one = answer(group.candidates[asked.candidates[k].index], asked.candidates[k]);
+      if (one == Answers::always && asked.held == Held::inside) return one;
       any = any || one != Answers::never;
     }
     return any ? Answers::sometimes : Answers::never;
   }
 
-  Answers ask(const Candidate& candidate, const Spot& p) {
-    Spot q = enter(candidate.local_from_parent, p);
-    if (candidate.tiled) {
-      given_up_ = given_up_ || !wrap(q);
-      return evaluate(candidate.object, q);
+  Answers answer(const Candidate& candidate, AskedCandidate& asked) {
+    if (candidate.tiled && asked.held == Held::partly) {
+      given_up = true;
+      return Answers::sometimes;
     }
-    const Held held = held_by_cube(q);
-    if (held == Held::outside) return Answers::never;
-    const Answers inside = evaluate(candidate.object, q);
-    return held == Held::partly && inside == Answers::always ? Answers::sometimes : inside;
+    const Answers inside = follow_object(candidate.object, *asked.arrival);
+    return asked.held == Held::partly && inside == Answers::always ? Answers::sometimes : inside;
   }
-
-  const Judge::Impl& judge_;
-  const Module& module_;
-  std::span<const snippet::BoxFunction> functions_;
-  const snippet::Box& box_;
-  std::optional<Outcome> outcome_;  ///< the first that was found
-  bool conflict_ = false;           ///< there is another one
-  bool moves_ = false;
-  bool given_up_ = false;
-  std::uint32_t tests_ = 0;
 };
-
-}  // namespace
 
 Judge::Judge(Module module, Records records, const Options& options)
     : impl_(std::make_unique<Impl>(std::move(module), std::move(records), options)) {}
@@ -328,6 +439,11 @@ Judge::Times Judge::prepare(const Module& module, const snippet::Interval& span_
   return times;
 }
 
-Verdict Judge::over(const snippet::Box& box, const Times& times) const { return Case(*impl_, times.functions_, box).run(); }
+Inquiry::Inquiry(const Judge& judge, const Judge::Times& times, const snippet::Box& box)
+    : impl_(std::make_unique<Impl>(*judge.impl_, times, times.functions_, box)) {}
+Inquiry::Inquiry(Inquiry& wider, const snippet::Box& box) : impl_(std::make_unique<Impl>(*wider.impl_, box)) {}
+Inquiry::~Inquiry() = default;
+
+Verdict Inquiry::verdict() { return impl_->run(); }
 
 }  // namespace dmvv::compiler

@@ -36,6 +36,7 @@ class Judge {
 
    private:
     friend class Judge;
+    friend class Inquiry;
     snippet::Interval span_ms_;
     std::vector<snippet::BoxFunction> functions_;
   };
@@ -52,18 +53,33 @@ class Judge {
   /// From -infinity to infinity.
   const Times& always() const;
 
-  /// The box in root coordinates: of the device's points in the standard cube those that lie in it to the bit. Where a
-  /// box would take long it is given up: not decided. Cost: that of the tests on the ways that are open, at most
-  /// `most_tests`.
-  Verdict over(const snippet::Box& box, const Times& times) const;
-  static constexpr std::uint32_t most_tests = 256;  ///< of sources and placements
-
   struct Impl;
 
  private:
+  friend class Inquiry;
   static Times prepare(const Module& module, const snippet::Interval& span_ms);
 
   std::unique_ptr<const Impl> impl_;
+};
+
+/// What a judge finds of one box. What it settles, it keeps for the boxes within.
+class Inquiry {
+ public:
+  /// The box in root coordinates: of the device's points in the standard cube those that lie in it to the bit. All
+  /// arguments outlive the inquiry.
+  Inquiry(const Judge& judge, const Judge::Times& times, const snippet::Box& box);
+  /// Of a box within that of `wider`, which is asked first: so only what is open there is tested. Not thread-safe.
+  Inquiry(Inquiry& wider, const snippet::Box& box);
+  ~Inquiry();
+
+  /// Where it would take long the box is given up: not decided. Cost: that of the tests on the ways that are open, at
+  /// most `most_tests`, and as many for each of the wider boxes.
+  Verdict verdict();
+  static constexpr std::uint32_t most_tests = 256;  ///< of sources and placements
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace dmvv::compiler

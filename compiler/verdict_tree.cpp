@@ -68,14 +68,16 @@ std::uint32_t VerdictTree::cell_of(const glm::vec3& p) const {
 VerdictTree::Words VerdictTree::judge_brick(const Cell& parent) {
   Words words{};
   const std::uint32_t half = parent.width / 2, quarter = parent.width / 4;
+  Inquiry whole(judge_, times_, box_of(parent));
   for (std::uint32_t octant = 0; octant < 8; ++octant) {
     const glm::uvec3 place(octant & 1, octant >> 1 & 1, octant >> 2);
-    const std::uint32_t whole = word_for(judge_.over(box_of(Cell{parent.corner + half * place, half}), times_), quarter);
+    Inquiry eighth(whole, box_of(Cell{parent.corner + half * place, half}));
+    const std::uint32_t of_octant = word_for(eighth.verdict(), quarter);
     for (std::uint32_t part = 0; part < 8; ++part) {
       const glm::uvec3 at = 2u * place + glm::uvec3(part & 1, part >> 1 & 1, part >> 2);
-      const bool is_decided = (whole & DMVV_VERDICT_DECIDED) != 0;
-      words[child_at(at)] =
-          is_decided ? whole : word_for(judge_.over(box_of(Cell{parent.corner + quarter * at, quarter}), times_), quarter);
+      std::uint32_t& word = words[child_at(at)] = of_octant;
+      if ((of_octant & DMVV_VERDICT_DECIDED) != 0) continue;
+      word = word_for(Inquiry(eighth, box_of(Cell{parent.corner + quarter * at, quarter})).verdict(), quarter);
     }
   }
   return words;
@@ -123,7 +125,7 @@ void VerdictTree::add_brick(std::uint32_t parent, const Cell& cell, const Words&
   first_free_ += DMVV_BRICK_WORDS;
 }
 
-void VerdictTree::split(std::span<const std::uint32_t> cells) {
+std::size_t VerdictTree::split(std::span<const std::uint32_t> cells) {
   std::vector<std::uint32_t> open;
   for (const std::uint32_t i : cells) {
     const bool is_open = i < first_free_ && (word(i) & (DMVV_VERDICT_DECIDED | DMVV_VERDICT_INNER | DMVV_VERDICT_FINAL)) == 0;
@@ -136,6 +138,7 @@ void VerdictTree::split(std::span<const std::uint32_t> cells) {
   std::vector<Words> bricks(open.size());
   in_parallel(open.size(), [&](std::size_t i) { bricks[i] = judge_brick(cell(open[i])); });
   for (std::size_t i = 0; i < open.size(); ++i) add_brick(open[i], cell(open[i]), bricks[i]);
+  return open.size();
 }
 
 }  // namespace dmvv::compiler

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <chrono>
 
 namespace dmvv::runtime {
@@ -10,6 +9,7 @@ namespace {
 
 constexpr std::size_t most_words = std::size_t{4} << 20;     // 16 MiB, and as much for their hits
 constexpr std::size_t most_outcomes = std::size_t{1} << 15;  // 3.5 MiB
+constexpr std::size_t enough_cells = 16;  // to be measured
 constexpr std::uint32_t least_hits = 8, most_hits = 1u << 20;
 constexpr std::array<std::uint32_t, 4> bindings_of_tree{DMVV_BIND_VERDICT_WORDS, DMVV_BIND_VERDICT_HITS, DMVV_BIND_OUTCOMES,
                                       DMVV_BIND_BUSY_CELLS};
@@ -65,8 +65,7 @@ void Verdicts::begin_tree() {
 
 std::uint32_t Verdicts::hits_to_split() const {
   if (ns_a_pixel_ == 0.0) return most_hits;
-  const double even = std::clamp(ns_a_cell_ / ns_a_pixel_, double{least_hits}, double{most_hits});
-  return std::bit_ceil(static_cast<std::uint32_t>(even));
+  return static_cast<std::uint32_t>(std::clamp(ns_a_cell_ / ns_a_pixel_, double{least_hits}, double{most_hits}));
 }
 
 void Verdicts::begin_frame() { mapped<std::uint32_t>(busy_).front() = 0; }
@@ -79,15 +78,18 @@ void Verdicts::end_frame(std::size_t evaluated, double ms) {
     ns_a_pixel_ = 1e6 * ms / static_cast<double>(evaluated);
   }
   const auto busy = mapped<std::uint32_t>(busy_);
+  if (getenv("DBG")) fprintf(stderr, "frame %.1f ms evaluated %zu ns/px %.0f ns/cell %.0f hits %u named %u words %zu\n", ms, evaluated, ns_a_pixel_, ns_a_cell_, hits_to_split(), busy.front(), tree_->word_count());
   const std::size_t named = std::min<std::size_t>(busy.front(), DMVV_MOST_BUSY_CELLS);
   if (named == 0) return;
   if (tree_->is_full()) return begin_tree();
   const auto affordable = static_cast<std::size_t>(1e6 * ms / ns_a_cell_) + 1;
   const auto cells = busy.subspan(1, std::min(named, affordable));
   const auto start = Clock::now();
-  tree_->split(cells);
-  ns_a_cell_ = std::chrono::duration<double, std::nano>(Clock::now() - start).count() / static_cast<double>(cells.size());
+  const std::size_t split = tree_->split(cells);
+  if (split == 0) return;
   ++generation_;
+  const double ns = std::chrono::duration<double, std::nano>(Clock::now() - start).count();
+  if (split >= enough_cells) ns_a_cell_ = ns / static_cast<double>(split);
 }
 
 }  // namespace dmvv::runtime

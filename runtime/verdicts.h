@@ -1,4 +1,4 @@
-// Inside the runtime only: a tree of verdicts on the device, and when it is worth splitting its cells.
+// Inside the runtime only: trees of verdicts on the device, and when it is worth splitting their cells.
 #pragma once
 
 #include <memory>
@@ -9,42 +9,54 @@
 
 namespace dmvv::runtime {
 
-/// What is proven of a scene, for one time span after the other.
+/// What is proven of a scene: in one tree for ever, in another for the span of time in which the frames are.
 ///
 /// Rent or buy: a cell is split when the pixels that it left to be evaluated have cost as much as splitting it. So what is
 /// spent on proofs is at most what was spent on evaluation, and twice the best that could have been done.
 class Verdicts {
  public:
-  /// Memory: 36 MiB on the device at most, which the host writes.
+  /// Memory: 40 MiB on the device at most, which the host writes.
   Verdicts(const Device::Impl& gpu, std::shared_ptr<const compiler::Judge> judge);
 
   const vk::raii::DescriptorSetLayout& layout() const { return layout_; }
   const vk::raii::DescriptorSet& set() const { return set_; }
 
-  /// Hits after which a cell is named busy: a power of two; 0: nothing more can be split.
-  std::uint32_t hits_to_split() const;
-
-  /// Call before a frame is submitted: forgets the busy cells of the last one.
-  void begin_frame();
-  /// Call when the device is done: `evaluated` pixels took `ms`, the surface apart. Splits busy cells for as long, at most.
-  void end_frame(std::size_t evaluated, double ms);
-
-  /// Changes whenever a cell was split.
-  std::size_t generation() const { return generation_; }
+  /// Call before a frame is submitted, with its time.
+  void begin_frame(double time_ms);
+  /// Tells `classify` what it needs to know.
+  void fill(gpu::PixelsParams& params) const;
+  /// Call when the device is done in `ms`. Splits busy cells for as long, at most.
+  void end_frame(const gpu::PixelListHeader& counted, double ms);
 
  private:
-  void begin_tree();
+  /// A tree in its part of the memory.
+  struct Grove {
+    compiler::VerdictTree::Memory memory;
+    std::optional<compiler::VerdictTree> tree;
+  };
+  void begin_span(double time_ms);
+  void judge_span();
+  std::uint32_t hits_to_split() const;
+  void split(Grove& grove, std::span<const std::uint32_t> cells);
 
   std::shared_ptr<const compiler::Judge> judge_;
   GpuBuffer words_, hits_, outcomes_, busy_;
   vk::raii::DescriptorSetLayout layout_{nullptr};
   vk::raii::DescriptorPool pool_{nullptr};
   vk::raii::DescriptorSet set_{nullptr};
-  std::optional<compiler::VerdictTree> tree_;
-  std::size_t generation_ = 0;
-  double ns_a_pixel_ = 0.0;   ///< of evaluation, as last measured on many pixels; 0: not yet
+
+  Grove always_, span_;
+  std::optional<compiler::Judge::Times> times_;  ///< of span_; none if no span is worth it
+  double last_time_ms_ = 0.0;
+  bool has_time_ = false;
+
+  double ns_a_pixel_ = 0.0;  ///< of evaluation, as last measured on many pixels; 0: not yet
   std::size_t most_evaluated_ = 0;
-  double ns_a_cell_ = 1e5;    ///< of splitting, as last measured
+  double ns_a_cell_ = 5e4;   ///< of splitting, as last measured
+
+  // Whether spans pay.
+  double spent_ns_ = 0.0, saved_ns_ = 0.0;  ///< in this span
+  std::uint32_t pause_ = 0, next_pause_ = 1;  ///< frames without a span, now and after the next that does not pay
 };
 
 }  // namespace dmvv::runtime

@@ -77,7 +77,7 @@ struct PixelsParams {
   vec4 bounds_hi;
   vec4 light;      // xyz: unit vector from the surface to the light, root frame; w: 1 lit, 0 unlit
   uint width, height;
-  uint hits_to_split;  // `classify`: a power of two, or 0: hits are not counted
+  uint hits_to_split;  // `classify`: hits after which a cell is to be split; 0: they are not counted
   uint keeps_still;    // `classify`: 1 if the images hold these pixels as of another time
 };
 

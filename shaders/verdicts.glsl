@@ -25,10 +25,11 @@ uint find_verdict(vec3 p) {
   return cell;
 }
 
-// Counts a pixel that an open cell leaves to be evaluated; each `most` of them name the cell to be split.
+// Counts a pixel that an open cell leaves to be evaluated. After `most` of them the cell is named, to be split; and if it
+// was not, now and then again.
 void count_hit(uint cell, uint most) {
   uint hits = atomicAdd(verdict_hits[cell], 1u) + 1u;
-  if ((hits & (most - 1u)) != 0u) return;
+  if (hits != most && (hits < most || (hits & 1023u) != 0u)) return;
   uint slot = atomicAdd(busy.count, 1u);
   if (slot < DMVV_MOST_BUSY_CELLS) busy.cells[slot] = cell;
 }
