@@ -303,7 +303,9 @@ const std::vector<Variant>& variants() {
     for (const compiler::PassInfo& pass : compiler::pass_names()) {
       rows.push_back({fmt::format("no {}", pass.name), {.disabled_passes = {std::string(pass.name)}}, false});
     }
-    rows.push_back({"no pixel-list", {.disabled_passes = {"pixel-list"}}, false});
+    for (const char* pass : {"pixel-list", "verdicts"}) {
+      rows.push_back({fmt::format("no {}", pass), {.disabled_passes = {pass}}, false});
+    }
     return rows;
   }();
   return table;

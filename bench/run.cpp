@@ -55,6 +55,7 @@ compiler::CompileOptions compile_options(const Settings& settings, const runtime
   options.atlas_format = settings.atlas;
   options.filter = settings.filter;
   options.disabled_passes = settings.disabled_passes;
+  options.judge = settings.codegen == compiler::Codegen::specialised;  // the others are baselines
   options.max_extent_3d = device.max_extent_3d;
   options.max_storage_buffer = device.max_storage_buffer;
   return options;

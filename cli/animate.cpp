@@ -269,9 +269,10 @@ int animate(const AnimateOptions& options, Context& context) {
   // Everything that can be refused without the scene comes first.
   runtime::View view = parse_view(options.view);
   view.colors = runtime::Colors::bytes;
-  const compiler::CompileOptions form = compile_options(options.codegen);
+  compiler::CompileOptions form = compile_options(options.codegen);
   view.disabled_passes = form.disabled_passes;
   const Plan plan = make_plan(options, view.size_px);
+  form.judge = plan.range.last > plan.range.first;
 
   OpeningDevice opening = begin_device(options.device);
   Diagnostics diagnostics(options.scene.strict);

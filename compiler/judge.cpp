@@ -100,7 +100,7 @@ struct Judge::Impl {
       animated.push_back(function.snippet.uses_time());
       any_animated = any_animated || animated.back();
     }
-    always = prepare(module, {-infinity, infinity});
+    always = prepare(module, {-longest_ms, longest_ms});
   }
 
   bool is_animated(const Sdf& sdf) const {

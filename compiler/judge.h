@@ -50,8 +50,9 @@ class Judge {
   const Records& records() const;
 
   Times times(const snippet::Interval& span_ms) const;
-  /// From -infinity to infinity.
+  /// For ever: `longest_ms` back and ahead. (Of infinity, sines would be NaN.)
   const Times& always() const;
+  static constexpr double longest_ms = 1e15;
 
   struct Impl;
 

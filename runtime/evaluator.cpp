@@ -181,6 +181,7 @@ void Evaluator::Impl::upload(const compiler::Program& program) {
 
 /// Every submission is waited for, so nothing reads the values while they change.
 void Evaluator::Impl::set_time(double time_ms) {
+  now_ms = time_ms;
   if (!time_buffer) return;
   time_values = compiler::time_values(time_functions, time_ms);
   std::memcpy(buffers[*time_buffer].mapped, time_values.data(), time_values.size() * sizeof(float));

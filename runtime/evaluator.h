@@ -73,7 +73,8 @@ struct Evaluator::Impl {
   std::vector<compiler::TimeFunction> time_functions;
   std::shared_ptr<const compiler::Judge> judge;  ///< may be null
   bool has_bitmaps;                              ///< the scene set has DMVV_BIND_BITMAP_ATLAS
-  std::vector<float> time_values;  ///< of the frame
+  double now_ms = 0.0;             ///< the time of the frame
+  std::vector<float> time_values;  ///< likewise
   std::optional<std::size_t> time_buffer;  ///< index into buffers: mapped, written before each evaluation
 
   std::vector<GpuBuffer> buffers;

@@ -59,20 +59,18 @@ struct TilePixels {
   const std::uint32_t* bytes;
   const glm::uvec4* surface;
   const std::uint32_t* regions;
-  std::uint32_t unfinished;
-  std::uint32_t evaluated;  ///< pixels in the list
+  gpu::PixelListHeader counted;
 };
 
 TilePixels tile_pixels(const Frame& frame, const Tile& tile) {
   const ReadbackLayout layout(pixels_of(tile), frame.wanted);
   const auto* mapped = static_cast<const std::byte*>(frame.readback.mapped);
   const bool as_bytes = frame.wanted.colors == Colors::bytes;
-  const auto& header = *reinterpret_cast<const gpu::PixelListHeader*>(mapped + layout.header);
   return {as_bytes ? nullptr : reinterpret_cast<const glm::vec4*>(mapped + layout.colors),
           as_bytes ? reinterpret_cast<const std::uint32_t*>(mapped + layout.colors) : nullptr,
           frame.wanted.positions ? reinterpret_cast<const glm::uvec4*>(mapped + layout.positions) : nullptr,
           frame.wanted.regions ? reinterpret_cast<const std::uint32_t*>(mapped + layout.regions) : nullptr,
-          header.unfinished, header.count};
+          *reinterpret_cast<const gpu::PixelListHeader*>(mapped + layout.header)};
 }
 
 /// Straight colour of the mean of samples^2 premultiplied colours. `first` is sample (0, 0), rows are `pitch` apart.
@@ -293,7 +291,7 @@ void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, con
   const bool kept = params.keeps_still != 0, as_bytes = frame->wanted.colors == Colors::bytes;
   const gpu::PixelListHeader nothing{0, 1, 1, 0, 0, 0, 0, 0};
   commands.updateBuffer<gpu::PixelListHeader>(*frame->list.buffer, 0, nothing);
-  commands.pipelineBarrier(Stage::eTopOfPipe, Stage::eComputeShader | Stage::eTransfer, {}, nullptr, nullptr,
+  commands.pipelineBarrier(Stage::eTransfer, Stage::eComputeShader | Stage::eTransfer, {}, nullptr, nullptr,
                            {begin_writing(frame->color, kept && !as_bytes), begin_writing(frame->bytes, kept && as_bytes),
                             begin_writing(frame->region, kept && frame->wanted.regions)});
   if (passes.pixel_list && !kept) {  // what is not evaluated is empty
@@ -341,11 +339,12 @@ double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const Fr
   if (passes.keep_picture && has_surface && frame->shaded == shading) return 0.0;
 
   const bool draws = !(passes.keep_surface && has_surface);
-  const bool classifies = passes.verdicts && passes.pixel_list && judge && has_drawn;
+  const bool classifies = passes.verdicts && passes.pixel_list && judge && has_drawn &&
+                          std::abs(now_ms) <= compiler::Judge::longest_ms;
   if (classifies) {
     make_verdicts(frame->wanted);
-    verdicts->begin_frame();
-    params.hits_to_split = verdicts->hits_to_split();
+    verdicts->begin_frame(now_ms);
+    verdicts->fill(params);
     params.keeps_still = passes.keep_still && !draws && frame->shaded && only_time_differs(*frame->shaded, shading);
   }
   if (shot.slice && frame->slice_surface.bytes == 0) {
@@ -362,7 +361,7 @@ double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const Fr
   });
   frame->surface = std::move(surface);
   frame->shaded = std::move(shading);
-  if (classifies) verdicts->end_frame(tile_pixels(*frame, tile).evaluated, ms);
+  if (classifies) verdicts->end_frame(tile_pixels(*frame, tile).counted, ms);
   return ms;
 }
 
@@ -418,7 +417,7 @@ Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
       const Tile tile{{x, y}, glm::min(glm::uvec2(extent.width, extent.height), shot->size_px - glm::uvec2(x, y))};
       gpu_ms += render_tile(*shot, tile, passes);
       const TilePixels result = tile_pixels(*frame, tile);
-      unfinished += result.unfinished;
+      unfinished += result.counted.unfinished;
       resolve_tile(result, tile, *shot, view.samples, picture);
     }
   }

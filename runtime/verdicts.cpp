@@ -7,10 +7,12 @@
 namespace dmvv::runtime {
 namespace {
 
-constexpr std::size_t most_words = std::size_t{4} << 20;     // 16 MiB, and as much for their hits
-constexpr std::size_t most_outcomes = std::size_t{1} << 15;  // 3.5 MiB
+constexpr std::size_t most_words = std::size_t{2} << 20;     // of each tree: 8 MiB, and as much for their hits
+constexpr std::size_t most_outcomes = std::size_t{1} << 15;  // of each tree: 3.5 MiB
 constexpr std::size_t enough_cells = 16;  // to be measured
 constexpr std::uint32_t least_hits = 8, most_hits = 1u << 20;
+constexpr double frames_a_span = 16.0;
+constexpr std::uint32_t longest_pause = 256;
 constexpr std::array<std::uint32_t, 4> bindings_of_tree{DMVV_BIND_VERDICT_WORDS, DMVV_BIND_VERDICT_HITS, DMVV_BIND_OUTCOMES,
                                       DMVV_BIND_BUSY_CELLS};
 
@@ -23,9 +25,9 @@ std::span<T> mapped(const GpuBuffer& buffer) {
 
 Verdicts::Verdicts(const Device::Impl& gpu, std::shared_ptr<const compiler::Judge> judge) : judge_(std::move(judge)) {
   constexpr auto storage = vk::BufferUsageFlagBits::eStorageBuffer;
-  words_ = gpu.make_buffer(4 * most_words, storage, MemoryUse::upload);
-  hits_ = gpu.make_buffer(4 * most_words, storage, MemoryUse::upload);
-  outcomes_ = gpu.make_buffer(sizeof(gpu::RegionRecord) * most_outcomes, storage, MemoryUse::upload);
+  words_ = gpu.make_buffer(2 * 4 * most_words, storage, MemoryUse::upload);
+  hits_ = gpu.make_buffer(2 * 4 * most_words, storage, MemoryUse::upload);
+  outcomes_ = gpu.make_buffer(2 * sizeof(gpu::RegionRecord) * most_outcomes, storage, MemoryUse::upload);
   busy_ = gpu.make_buffer(4 * (1 + DMVV_MOST_BUSY_CELLS), storage, MemoryUse::readback);
 
   std::vector<vk::DescriptorSetLayoutBinding> bindings;
@@ -53,43 +55,96 @@ Verdicts::Verdicts(const Device::Impl& gpu, std::shared_ptr<const compiler::Judg
                                                            .pBufferInfo = &info},
                                     nullptr);
   }
-  begin_tree();
+  const auto part = [&](std::size_t i) {
+    return compiler::VerdictTree::Memory{mapped<std::uint32_t>(words_).subspan(i * most_words, most_words),
+                                         mapped<std::uint32_t>(hits_).subspan(i * most_words, most_words),
+                                         mapped<gpu::RegionRecord>(outcomes_).subspan(i * most_outcomes, most_outcomes)};
+  };
+  always_.memory = part(0);
+  span_.memory = part(1);
+  always_.tree.emplace(*judge_, judge_->always(), always_.memory);
 }
 
-void Verdicts::begin_tree() {
-  tree_.emplace(*judge_, judge_->always(),
-                compiler::VerdictTree::Memory{mapped<std::uint32_t>(words_), mapped<std::uint32_t>(hits_),
-                                              mapped<gpu::RegionRecord>(outcomes_)});
-  ++generation_;
+// ---- spans of time ----
+
+/// While the time stands still a span is that moment; while it goes on, some frames.
+void Verdicts::begin_frame(double time_ms) {
+  mapped<std::uint32_t>(busy_).front() = 0;
+  if (!judge_->is_animated()) return;
+  const bool is_within = times_ && times_->span_ms().lo <= time_ms && time_ms <= times_->span_ms().hi;
+  if (!is_within) begin_span(time_ms);
+  last_time_ms_ = time_ms;
+  has_time_ = true;
 }
+
+void Verdicts::begin_span(double time_ms) {
+  judge_span();
+  span_.tree.reset();
+  times_.reset();
+  const double end = has_time_ ? time_ms + (frames_a_span - 1.0) * (time_ms - last_time_ms_) : time_ms;
+  if (pause_ > 0 && end != time_ms) {
+    --pause_;
+    return;
+  }
+  times_ = judge_->times({std::min(time_ms, end), std::max(time_ms, end)});
+  span_.tree.emplace(*judge_, *times_, span_.memory);
+}
+
+/// Was the span worth it? If not, the next ones are left out, more and more.
+void Verdicts::judge_span() {
+  if (!times_) return;
+  if (saved_ns_ < spent_ns_) {
+    pause_ = next_pause_;
+    next_pause_ = std::min(2 * next_pause_, longest_pause);
+  } else {
+    next_pause_ = 1;
+  }
+  spent_ns_ = saved_ns_ = 0.0;
+}
+
+// ---- splitting ----
 
 std::uint32_t Verdicts::hits_to_split() const {
   if (ns_a_pixel_ == 0.0) return most_hits;
   return static_cast<std::uint32_t>(std::clamp(ns_a_cell_ / ns_a_pixel_, double{least_hits}, double{most_hits}));
 }
 
-void Verdicts::begin_frame() { mapped<std::uint32_t>(busy_).front() = 0; }
+void Verdicts::fill(gpu::PixelsParams& params) const {
+  params.hits_to_split = hits_to_split();
+  params.first_span_word = span_.tree ? most_words : 0;
+  params.first_span_outcome = most_outcomes;
+}
 
-void Verdicts::end_frame(std::size_t evaluated, double ms) {
-  using Clock = std::chrono::steady_clock;
+void Verdicts::end_frame(const gpu::PixelListHeader& counted, double ms) {
   // Few pixels are measured badly: what a frame costs anyway would be counted as theirs.
-  if (2 * evaluated >= most_evaluated_ && evaluated != 0) {
-    most_evaluated_ = std::max(most_evaluated_, evaluated);
-    ns_a_pixel_ = 1e6 * ms / static_cast<double>(evaluated);
+  if (2 * counted.count >= most_evaluated_ && counted.count != 0) {
+    most_evaluated_ = std::max<std::size_t>(most_evaluated_, counted.count);
+    ns_a_pixel_ = 1e6 * ms / counted.count;
   }
+  saved_ns_ += ns_a_pixel_ * counted.decided_by_span;
   const auto busy = mapped<std::uint32_t>(busy_);
-  if (getenv("DBG")) fprintf(stderr, "frame %.1f ms evaluated %zu ns/px %.0f ns/cell %.0f hits %u named %u words %zu\n", ms, evaluated, ns_a_pixel_, ns_a_cell_, hits_to_split(), busy.front(), tree_->word_count());
-  const std::size_t named = std::min<std::size_t>(busy.front(), DMVV_MOST_BUSY_CELLS);
-  if (named == 0) return;
-  if (tree_->is_full()) return begin_tree();
+  const auto named = std::min<std::size_t>(busy.front(), DMVV_MOST_BUSY_CELLS);
   const auto affordable = static_cast<std::size_t>(1e6 * ms / ns_a_cell_) + 1;
   const auto cells = busy.subspan(1, std::min(named, affordable));
+  const auto of_span = std::ranges::partition(cells, [](std::uint32_t cell) { return cell < most_words; });
+  for (std::uint32_t& cell : of_span) cell -= most_words;
+  split(always_, cells.first(cells.size() - of_span.size()));
+  split(span_, of_span);
+}
+
+void Verdicts::split(Grove& grove, std::span<const std::uint32_t> cells) {
+  using Clock = std::chrono::steady_clock;
+  if (cells.empty()) return;
+  if (grove.tree->is_full()) {  // what is looked at now is worth more than what was
+    const compiler::Judge::Times& times = &grove == &span_ ? *times_ : judge_->always();
+    grove.tree.emplace(*judge_, times, grove.memory);
+    return;
+  }
   const auto start = Clock::now();
-  const std::size_t split = tree_->split(cells);
-  if (split == 0) return;
-  ++generation_;
+  const std::size_t count = grove.tree->split(cells);
   const double ns = std::chrono::duration<double, std::nano>(Clock::now() - start).count();
-  if (split >= enough_cells) ns_a_cell_ = ns / static_cast<double>(split);
+  if (count >= enough_cells) ns_a_cell_ = ns / static_cast<double>(count);
+  if (&grove == &span_) spent_ns_ += ns;
 }
 
 }  // namespace dmvv::runtime

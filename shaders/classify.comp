@@ -22,23 +22,36 @@ vec4 color_of_outcome(uint outcome, vec3 p) {
   return color;
 }
 
+void store_outcome(uvec2 pixel, uint outcome, vec3 p, uvec4 surface) {
+  uint number = outcomes[outcome].number;
+  store_pixel(pixel, number != 0u ? shade(color_of_outcome(outcome, p), surface) : vec4(0.0), number, false);
+}
+
 void main() {
   uvec2 pixel;
   if (!find_pixel(pixel)) return;
   uvec4 surface = imageLoad(surface_image, ivec2(pixel));
   if (surface.w == 0u) return;
   vec3 p = surface_point(surface);
-  uint cell = find_verdict(p);
-  uint word = verdict_words[cell];
-  bool in_cube = all(lessThanEqual(abs(p), vec3(1.0)));
-  if (in_cube && (word & DMVV_VERDICT_DECIDED) != 0u) {
-    if (params.keeps_still != 0u) return;
-    uint outcome = word & DMVV_VERDICT_VALUE;
-    uint number = outcomes[outcome].number;
-    store_pixel(pixel, number != 0u ? shade(color_of_outcome(outcome, p), surface) : vec4(0.0), number, false);
+  if (any(greaterThan(abs(p), vec3(1.0)))) {  // of such points nothing is proven
+    list_pixel(pixel);
     return;
   }
-  if (params.keeps_still != 0u && (word & DMVV_VERDICT_STILL) != 0u) return;
-  list_pixel(pixel);
-  if (params.hits_to_split != 0u && (word & DMVV_VERDICT_FINAL) == 0u) count_hit(cell, params.hits_to_split);
+  uint cell = find_verdict(p, 0u);
+  uint word = verdict_words[cell];
+  bool is_still = (word & (DMVV_VERDICT_DECIDED | DMVV_VERDICT_STILL)) != 0u;
+  if (params.keeps_still != 0u && is_still) return;
+  uint first_outcome = 0u;
+  if (!is_still && params.first_span_word != 0u) {
+    cell = find_verdict(p, params.first_span_word);
+    word = verdict_words[cell];
+    first_outcome = params.first_span_outcome;
+    if ((word & DMVV_VERDICT_DECIDED) != 0u) atomicAdd(list.header.decided_by_span, 1u);
+  }
+  if ((word & DMVV_VERDICT_DECIDED) != 0u) {
+    store_outcome(pixel, first_outcome + (word & DMVV_VERDICT_VALUE), p, surface);
+  } else {
+    list_pixel(pixel);
+    if ((word & DMVV_VERDICT_FINAL) == 0u) count_hit(cell, params.hits_to_split);
+  }
 }

@@ -37,7 +37,7 @@ using uvec4 = glm::uvec4;
 #define DMVV_BIND_REGION 3   // r32ui out, if wanted: region number, 0 where empty
 #define DMVV_BIND_LIST 4     // PixelListHeader, then the listed pixels: x, and y in the upper half
 
-// ---- bindings of descriptor set 2 of `classify`: a tree of verdicts ----
+// ---- bindings of descriptor set 2 of `classify`: two trees of verdicts, one for ever, one for a span of time ----
 #define DMVV_BIND_VERDICT_WORDS 0
 #define DMVV_BIND_VERDICT_HITS 1  // uint[] like the words: pixels that were left to be evaluated
 #define DMVV_BIND_OUTCOMES 2      // RegionRecord[], texture_from_object being texture_from_root
@@ -79,6 +79,9 @@ struct PixelsParams {
   uint width, height;
   uint hits_to_split;  // `classify`: hits after which a cell is to be split; 0: they are not counted
   uint keeps_still;    // `classify`: 1 if the images hold these pixels as of another time
+  uint first_span_word;     // `classify`: of the tree for a span of time; 0: there is none
+  uint first_span_outcome;
+  uint pad0, pad1;
 };
 
 // What `list` counts, and an indirect dispatch reads.
@@ -86,7 +89,8 @@ struct PixelListHeader {
   uint groups_x, groups_y, groups_z;  // of `pixels`; 0, 1, 1 before `list`
   uint count;                         // pixels in the list
   uint unfinished;                    // pixels for which the loop rounds of the device did not suffice
-  uint pad0, pad1, pad2;
+  uint decided_by_span;               // pixels that the verdicts of a span of time answered
+  uint pad0, pad1;
 };
 
 // The highest bit of a surface texel's w: there is a surface.
@@ -170,7 +174,7 @@ struct PlacementRecord {
 
 #ifdef __cplusplus
 static_assert(sizeof(PointsParams) == 16);
-static_assert(sizeof(PixelsParams) == 64);
+static_assert(sizeof(PixelsParams) == 80);
 static_assert(sizeof(PixelListHeader) == 32);
 static_assert(sizeof(AffineRows) == 48);
 static_assert(sizeof(NodeRecord) == 16);

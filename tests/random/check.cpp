@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tests/random/points.h"
+#include "tests/support/verdicts.h"
 
 namespace dmvv::tests::random_scenes {
 
@@ -82,19 +83,51 @@ std::optional<Fault> check_reference(const Scene& scene, const compiler::Module&
   return std::nullopt;
 }
 
+/// What is proven of the cells around some of the points, for ever and around each moment, at all of them.
+std::optional<Fault> check_verdicts(const compiler::Judge& judge, const Setting& setting, const std::vector<Look>& looks) {
+  constexpr std::size_t most_grown = 24, bricks = 512;
+  constexpr int rounds = 4;
+  const auto claim = [&](const tests::GrownTree& tree, const Look& now) -> std::optional<Fault> {
+    for (std::size_t i = 0; i < now.expected.size(); ++i) {
+      const gpu::RegionRecord* outcome = tree.outcome_at(now.points.all[i]);
+      if (outcome == nullptr || !now.expected[i].certain || agrees(*outcome, now.expected[i])) continue;
+      return Fault{Fault::Kind::verdict, setting.name, now.time_ms, now.points.all[i],
+                   fmt::format("region {}", now.expected[i].number), fmt::format("region {}", outcome->number)};
+    }
+    return std::nullopt;
+  };
+  tests::GrownTree always(judge, judge.always(), bricks);
+  for (const Look& now : looks) always.grow(std::span(now.points.all).last(std::min(most_grown, now.points.all.size())), rounds);
+  for (const Look& now : looks) {
+    if (auto fault = claim(always, now)) return fault;
+    if (!judge.is_animated()) continue;
+    const compiler::Judge::Times times = judge.times({now.time_ms - 10.0, now.time_ms + 30.0});
+    tests::GrownTree of_span(judge, times, bricks);
+    of_span.grow(std::span(now.points.all).last(std::min(most_grown, now.points.all.size())), rounds);
+    if (auto fault = claim(of_span, now)) return fault;
+  }
+  return std::nullopt;
+}
+
 std::optional<Fault> check_setting(runtime::Device& device, const compiler::Module& module, const Setting& setting,
                                    const std::vector<Look>& looks, const CheckOptions& options, Counts& counts) {
   const auto fault = [&](Fault::Kind kind, std::string got) {
     return Fault{kind, setting.name, 0.0, {}, {}, std::move(got)};
   };
   Diagnostics diagnostics;
-  auto program = compiler::compile(module, setting.options, diagnostics);
+  compiler::CompileOptions form = setting.options;
+  form.judge = true;
+  auto program = compiler::compile(module, form, diagnostics);
   if (!program) return fault(Fault::Kind::refused, diagnostics.render());
   for (const auto kernel : {compiler::Kernel::points, compiler::Kernel::pixels}) {
     const auto made = compiler::to_spirv(*program, kernel);
     if (!made) return fault(Fault::Kind::spirv, text_of(made.error()));
   }
   ++counts.programs;
+  const bool reads_otherwise = form.atlas_format != compiler::TexelFormat::r32f || form.filter != compiler::Filter::hardware;
+  if (setting.name == "specialised" || reads_otherwise) {  // the others have the same judge
+    if (auto wrong = check_verdicts(*program->judge, setting, looks)) return wrong;
+  }
   auto evaluator = runtime::Evaluator::create(device, *program);
   if (!evaluator) return fault(Fault::Kind::device, text_of(evaluator.error()));
   const auto legend = compiler::legend(module);

@@ -21,6 +21,7 @@ struct Fault {
     device,      ///< the runtime fails
     validation,  ///< the validation layer has something to say
     answer,      ///< a device answers otherwise than the reference, which is certain
+    verdict,     ///< what is proven of a cell is not so
   };
   Kind kind;
   std::string setting;

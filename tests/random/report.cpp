@@ -26,6 +26,8 @@ std::string_view name(Fault::Kind kind) {
       return "the validation layer complains";
     case Fault::Kind::answer:
       return "a shader differs from the reference, which is certain";
+    case Fault::Kind::verdict:
+      return "a verdict differs from the reference, which is certain";
   }
   return "";
 }
