@@ -101,6 +101,7 @@ std::vector<Fit> fit_series(const std::vector<Measurement>& measurements) {
     about.source = "1: in proportion, 0: does not grow";
     add_fit(fits, series, "frame", 1e12, parameter, [](const Measurement& m) { return median(m.frame_ms); }, about);
     add_fit(fits, series, "build", 1e12, parameter, [](const Measurement& m) { return m.build_ms(); }, about);
+    add_fit(fits, series, "memory", 1e12, parameter, [](const Measurement& m) { return static_cast<double>(m.peak_bytes); }, about);
   }
   return fits;
 }

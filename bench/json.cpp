@@ -56,6 +56,7 @@ Json settings(const Settings& s) {
           {"filter", name_of(s.filter)},
           {"samples", s.samples},
           {"motion", name_of(s.motion)},
+          {"verdicts", s.verdicts},
           {"disabled_passes", s.disabled_passes}};
 }
 
@@ -84,6 +85,7 @@ Json run(const Measurement& m) {
   times["frame"] = summary(m.frame_ms);
   times["gpu"] = summary(m.gpu_ms);
   entry["times_ms"] = std::move(times);
+  entry["settle"] = {{"frames", m.settle_frames}, {"ms", rounded(m.settle_ms)}};
   entry["build_ms"] = rounded(m.build_ms());
   entry["point_ns"] = summary(m.point_ns);
   entry["upload_bytes"] = m.upload_bytes;
@@ -93,6 +95,7 @@ Json run(const Measurement& m) {
                     {"glsl_lines", m.statistics.glsl_lines}, {"inlined_lines", m.statistics.inlined_lines}};
   entry["errors"] = {{"points", regions(m.points)},
                      {"pixels", regions(m.pixels)},
+                     {"differing_pixels", m.differing ? Json(*m.differing) : Json(nullptr)},
                      {"colour_rmse", optional_number(m.color_rmse)},
                      {"displacement", displacement(m)}};
   entry["thesis"] = thesis(what.thesis);

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "bench/workload.h"
+#include "runtime/view.h"
 
 namespace dmvv::bench {
 namespace {
@@ -43,6 +44,8 @@ const std::vector<Example>& examples() {
   return table;
 }
 
+bool is_animated(std::string_view example) { return example != "orange" && example != "mycoplasma" && example != "skull"; }
+
 /// In the order of the thesis' table 4.1.
 const std::vector<std::pair<std::string, ThesisFigures>>& thesis_table() {
   static const std::vector<std::pair<std::string, ThesisFigures>> table{
@@ -67,7 +70,9 @@ class Planner {
   void sampling();
   void growth(bool whole_range);
   void code_forms();
+  static void lighten(Case& made);
   void speed();
+  void passes();
   void example_settings(const std::string& name);
   void thesis();
   void user_scenes();
@@ -85,6 +90,10 @@ class Planner {
     made.scene_key = scene_key;
     made.scene = std::move(scene);
     made.id = fmt::format("{}/{}/{}", section, scene_key, variant_name);
+    if (made.settings.verdicts) {
+      made.effort.settle_frames = 100;
+      made.effort.settle_ms = options_.quick ? 300.0 : 4000.0;
+    }
     if (options_.quick) {
       made.effort.builds = 1;
       made.effort.min_frames = 3;
@@ -225,14 +234,16 @@ void Planner::code_forms() {
   grow("empty", "regions", {1}, {"specialised"}, [](std::uint32_t) { return empty_cube(); });
 }
 
-/// Every example from three views, moving and standing, against the table form and against a frame of one colour.
+/// Nothing but frames as large as a screen.
+void Planner::lighten(Case& made) {
+  made.size_px = {1280, 720};
+  made.effort.builds = 1;
+  made.effort.points = made.effort.probe_rounds = 0;
+  made.effort.error_size_px = {};
+}
+
+/// Every example from three views, against the table form and against a frame of one colour; growth; what passes save.
 void Planner::speed() {
-  const auto lighten = [](Case& made) {
-    made.size_px = {1280, 720};
-    made.effort.builds = 1;
-    made.effort.points = made.effort.probe_rounds = 0;
-    made.effort.error_size_px = {};
-  };
   Case& floor = add("speed", floor_series, "specialised", std::nullopt, floor_series, [] {
     SceneSource source = empty_cube();
     source.slice = runtime::Plane{{0.0, 0.0, 1.0}, 0.0};
@@ -247,11 +258,42 @@ void Planner::speed() {
       source.name = fmt::format("{}, {}", name, view);
       if (view == "whole") source.cuts.clear();
       if (view == "zoomed") source.zoom = 8.0;
-      for (const char* form : {"specialised", "camera held", "nothing moves", "table"}) {
+      for (const char* form : {"specialised", "camera swings", "time goes on", "table"}) {
+        if (std::string_view(form) == "time goes on" && !is_animated(name)) continue;
         Case& made = add("speed", source.name, form, std::nullopt, source.name, [source] { return source; });
         const glm::uvec2 compared = made.effort.error_size_px;
         lighten(made);
         if (std::string_view(form) == "specialised") made.effort.error_size_px = compared;
+      }
+    }
+  }
+  passes();
+  const std::vector<std::string> ours{"specialised"};
+  grow("objects", "objects", options_.quick ? std::vector<std::uint32_t>{100, 10000} : std::vector<std::uint32_t>{100, 1000, 10000, 100000, 1000000},
+       ours, many_objects);
+  grow("embedding depth", "levels", {1, 4, 12}, ours, nested_objects);
+  grow("tree depth", "decisions", {4, 16, 64}, ours,
+       [](std::uint32_t depth) { return decision_tree(TreeForm::chain, Source::analytic, depth); });
+}
+
+/// Each pass of a frame switched off alone, where the camera swings and where time goes on.
+void Planner::passes() {
+  if (options_.quick) return;
+  for (const char* name : {"orange", "skin", "molecule"}) {
+    if (!found(name)) continue;
+    SceneSource source = *example_scene(options_.examples, name);
+    source.name = fmt::format("{}, cut", name);
+    for (const char* motion : {"camera swings", "time goes on"}) {
+      if (std::string_view(motion) == "time goes on" && !is_animated(name)) continue;
+      std::vector<std::string> off{""};
+      for (const auto& pass : runtime::frame_pass_names()) off.emplace_back(pass.name);
+      for (const std::string& pass : off) {
+        Case& made = add("passes", fmt::format("{}, {}", source.name, motion), motion, std::nullopt, source.name + ", passes", [source] { return source; });
+        lighten(made);
+        if (pass.empty()) continue;
+        made.variant = "no " + pass;
+        made.settings.disabled_passes = {pass};
+        made.id += " " + made.variant;
       }
     }
   }
@@ -297,15 +339,13 @@ const std::vector<Variant>& variants() {
         {"filter tricubic", {.filter = Filter::tricubic}, true},
         {"samples 2", {.samples = 2}, false},
         {"samples 4", {.samples = 4}, false},
-        {"camera held", {.motion = Motion::scene}, false},
-        {"nothing moves", {.motion = Motion::none}, false},
+        {"camera swings", {.motion = Motion::camera, .verdicts = true}, false},
+        {"time goes on", {.motion = Motion::time, .verdicts = true}, false},
     };
     for (const compiler::PassInfo& pass : compiler::pass_names()) {
       rows.push_back({fmt::format("no {}", pass.name), {.disabled_passes = {std::string(pass.name)}}, false});
     }
-    for (const char* pass : {"pixel-list", "verdicts"}) {
-      rows.push_back({fmt::format("no {}", pass), {.disabled_passes = {pass}}, false});
-    }
+    rows.push_back({"no pixel-list", {.disabled_passes = {"pixel-list"}}, false});
     return rows;
   }();
   return table;
@@ -344,7 +384,7 @@ std::string name_of(Filter filter) {
 }
 
 std::string name_of(Motion motion) {
-  constexpr std::array names{"camera", "scene", "none"};
+  constexpr std::array names{"camera", "time", "none"};
   return names[static_cast<std::size_t>(motion)];
 }
 
@@ -353,7 +393,7 @@ const std::vector<SetName>& set_names() {
       {"standard", "boundaries against resolution, samples, growth, and the orange and the sticks with every setting"},
       {"thesis", "the scenes of the thesis' table 4.1, beside its figures and its way of evaluating"},
       {"stress", "figures where float32, drivers and data structures are pushed, each with its bound"},
-      {"speed", "every example whole, cut and zoomed; moving and standing; against the table form and a frame of one colour"},
+      {"speed", "every example whole, cut and zoomed, against the table form and a frame of one colour; passes of a frame; growth"},
       {"growth", "growth to the limits, and the forms of code against each other"},
   };
   return names;

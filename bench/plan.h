@@ -19,9 +19,9 @@ inline constexpr const char* floor_series = "one colour";
 
 /// What changes from one timed frame to the next.
 enum class Motion : std::uint8_t {
-  camera,  ///< the camera moves: everything is drawn and evaluated anew
-  scene,   ///< only time goes on: what the camera sees of the mesh is kept
-  none,    ///< nothing
+  camera,  ///< the camera swings around what it looks at: each frame shows other points of the surface
+  time,    ///< only time goes on: what the camera sees of the mesh is kept
+  none,    ///< nothing: frames are drawn anew all the same
 };
 
 /// One way to compile and draw a scene.
@@ -30,7 +30,8 @@ struct Settings {
   compiler::TexelFormat atlas = compiler::TexelFormat::r32f;
   compiler::Filter filter = compiler::Filter::hardware;
   std::uint32_t samples = 1;  ///< per pixel along each axis
-  Motion motion = Motion::camera;
+  Motion motion = Motion::none;
+  bool verdicts = false;      ///< what can be proven between frames, is
   std::vector<std::string> disabled_passes{};  ///< of compiler::pass_names() and runtime::frame_pass_names()
 };
 
@@ -54,6 +55,8 @@ struct Effort {
   std::uint32_t builds = 3;  ///< from text to the first picture, each from nothing
   std::uint32_t min_frames = 5;
   std::uint32_t max_frames = 25;
+  std::uint32_t settle_frames = 0;   ///< drawn before any is timed, while verdicts are found,
+  double settle_ms = 0.0;            ///< or for so long
   double frames_ms = 1000.0;         ///< after which no further frame or probe is begun, once there are enough to tell
   std::uint32_t probe_rounds = 5;    ///< of the cost of a point; 0: not measured
   std::uint32_t points = 20000;      ///< compared with the reference, spread over the support mesh's box
@@ -75,7 +78,7 @@ struct ThesisFigures {
 
 struct Case {
   std::string id;       ///< unique, stable: what results are compared by
-  std::string section;  ///< "boundary", "samples", "scene", "growth", "thesis", "speed"
+  std::string section;  ///< "boundary", "samples", "scene", "growth", "thesis", "speed", "passes"
   std::string series;   ///< cases that differ in their parameter alone
   std::string variant;
   Settings settings;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numbers>
 
 #include "bench/memory.h"
 #include "bench/statistics.h"
@@ -55,7 +56,7 @@ compiler::CompileOptions compile_options(const Settings& settings, const runtime
   options.atlas_format = settings.atlas;
   options.filter = settings.filter;
   options.disabled_passes = settings.disabled_passes;
-  options.judge = settings.codegen == compiler::Codegen::specialised;  // the others are baselines
+  options.judge = settings.verdicts;
   options.max_extent_3d = device.max_extent_3d;
   options.max_storage_buffer = device.max_storage_buffer;
   return options;
@@ -94,20 +95,60 @@ Result<Built> build(const SceneSource& source, const Settings& settings, Kernel 
   return Built{std::move(*program), std::move(*evaluator)};
 }
 
-Result<void> time_frames(runtime::Evaluator& evaluator, runtime::View view, const Effort& effort, Measurement& result) {
-  constexpr double step_ms = 40.0;
+/// The view of a frame: the camera swings to and fro, or time goes on.
+runtime::View view_of_frame(runtime::View view, Motion motion, std::size_t frame) {
+  constexpr double step_ms = 40.0, swing_deg = 3.0;
+  constexpr std::size_t frames_a_swing = 23;
+  if (motion == Motion::time) view.time_ms += step_ms * static_cast<double>(frame);
+  if (motion == Motion::camera) {
+    const double turn = static_cast<double>(frame % frames_a_swing) / frames_a_swing * 2.0 * std::numbers::pi;
+    const double angle = std::sin(turn) * swing_deg * std::numbers::pi / 180.0;
+    const glm::dvec3 axis = glm::normalize(view.camera.up), from_look = view.camera.eye - view.camera.look;
+    const glm::dvec3 along = glm::dot(axis, from_look) * axis;  // Rodrigues' formula
+    view.camera.eye = view.camera.look + along + std::cos(angle) * (from_look - along) + std::sin(angle) * glm::cross(axis, from_look);
+  }
+  return view;
+}
+
+/// Pixels of a frame that have another region if nothing is left out of it.
+Result<void> measure_differing(runtime::Evaluator& evaluator, runtime::View view, Measurement& result) {
+  view.want_regions = true;
+  const auto picture = evaluator.render(view);
+  if (!picture) return tl::unexpected(picture.error());
+  for (const runtime::FramePassInfo& pass : runtime::frame_pass_names()) view.disabled_passes.emplace_back(pass.name);
+  const auto anew = evaluator.render(view);
+  if (!anew) return tl::unexpected(anew.error());
+  result.differing = 0;
+  for (std::size_t i = 0; i < anew->regions.size(); ++i) *result.differing += anew->regions[i] != picture->regions[i] ? 1 : 0;
+  return {};
+}
+
+Result<void> time_frames(runtime::Evaluator& evaluator, const runtime::View& view, const Effort& effort, Measurement& result) {
+  const Motion motion = result.what.settings.motion;
+  std::size_t frame = 0;
+  const auto draw = [&]() -> Result<runtime::Timings> {
+    runtime::Timings timings;
+    const auto picture = evaluator.render(view_of_frame(view, motion, ++frame), &timings);
+    if (!picture) return tl::unexpected(picture.error());
+    return timings;
+  };
+  while (result.settle_frames < effort.settle_frames && result.settle_ms < effort.settle_ms) {
+    const auto timings = draw();
+    if (!timings) return tl::unexpected(timings.error());
+    ++result.settle_frames;
+    result.settle_ms += ms_of(*timings, "frame");
+  }
   const auto start = Clock::now();
   while (result.frame_ms.size() < effort.max_frames &&
          (result.frame_ms.size() < effort.min_frames || since_ms(start) < effort.frames_ms)) {
-    runtime::Timings timings;
-    if (result.what.settings.motion == Motion::scene) view.time_ms += step_ms;
-    const auto picture = evaluator.render(view, &timings);
-    if (!picture) return tl::unexpected(picture.error());
-    result.frame_ms.push_back(ms_of(timings, "frame"));
-    const bool has_gpu = std::ranges::any_of(timings, [](const auto& t) { return t.step == runtime::gpu_step; });
-    if (has_gpu) result.gpu_ms.push_back(ms_of(timings, runtime::gpu_step));
+    const auto timings = draw();
+    if (!timings) return tl::unexpected(timings.error());
+    result.frame_ms.push_back(ms_of(*timings, "frame"));
+    const bool has_gpu = std::ranges::any_of(*timings, [](const auto& t) { return t.step == runtime::gpu_step; });
+    if (has_gpu) result.gpu_ms.push_back(ms_of(*timings, runtime::gpu_step));
   }
-  return {};
+  if (!result.what.settings.verdicts) return {};
+  return measure_differing(evaluator, view_of_frame(view, motion, ++frame), result);
 }
 
 /// The region numbers and colours of one picture against the reference at the very points it evaluated.
@@ -203,8 +244,9 @@ Result<void> measure_on(runtime::Device& device, Truth& truth, Measurement& resu
   view.samples = what.settings.samples;
   view.colors = runtime::Colors::bytes;
   view.disabled_passes = what.settings.disabled_passes;
-  if (what.settings.motion != Motion::none) view.disabled_passes.emplace_back("keep-picture");
-  if (what.settings.motion == Motion::camera) view.disabled_passes.emplace_back("keep-surface");
+  if (what.settings.motion == Motion::none) {
+    for (const char* pass : {"keep-picture", "keep-surface", "keep-still"}) view.disabled_passes.emplace_back(pass);
+  }
 
   // ---- builds, the first with its memory ----
   std::optional<Built> built;

@@ -35,6 +35,8 @@ struct Measurement {
 
   // ---- times ----
   std::vector<Step> steps;       ///< of each build: "read", "compile", "SPIR-V", "upload", "pipeline", in this order
+  std::size_t settle_frames = 0;  ///< drawn before the timed ones, after the first
+  double settle_ms = 0.0;         ///< wall time of these
   std::vector<double> frame_ms;  ///< wall time; the first frame is not among them
   std::vector<double> gpu_ms;    ///< the same frames by the device's time stamps; empty if it has none
   std::vector<double> point_ns;  ///< cost of a point: (t(n) - t(64)) / (n - 64), kernel `points`; n is 262144, or 16384 where that
@@ -48,6 +50,7 @@ struct Measurement {
   // ---- errors ----
   std::optional<RegionErrors> points;  ///< region and path
   std::optional<RegionErrors> pixels;  ///< region
+  std::optional<std::size_t> differing;  ///< pixels of the last frame whose region is another with all passes of a frame off
   std::optional<double> color_rmse;    ///< of the pixels compared (or of all, with truth_samples); 0..1 a channel
   std::optional<Displacement> displacement;
   std::optional<double> pixel_pitch;   ///< object units between pixel centres of the timed frames (slices only)

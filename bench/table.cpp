@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -108,46 +107,73 @@ std::string scenes(const Report& report, const std::string& section) {
   return text;
 }
 
-/// Median frame of a case of the section "speed"; NaN if it was not measured.
-double frame_of(const Report& report, const std::string& series, const std::string& variant) {
+const Measurement* find(const Report& report, const std::string& section, const std::string& series, const std::string& variant) {
   for (const Measurement& m : report.measurements) {
-    if (fine(m, "speed") && m.what.series == series && m.what.variant == variant) return median(m.frame_ms);
+    if (fine(m, section) && m.what.series == series && m.what.variant == variant) return &m;
   }
-  return nan;
+  return nullptr;
 }
 
-/// Ratios to the table form in the same run; the last line is their geometric mean.
+double frame_of(const Measurement* m) { return m != nullptr ? median(m->frame_ms) : nan; }
+
+class GeometricMean {
+ public:
+  void add(double x) {
+    if (!std::isfinite(x)) return;
+    log_sum_ += std::log(x);
+    ++count_;
+    least_ = std::min(least_, x);
+  }
+  std::string text() const {
+    if (count_ == 0) return "-";
+    return fmt::format("{} (at least {})", number(std::exp(log_sum_ / static_cast<double>(count_))), number(least_));
+  }
+
+ private:
+  double log_sum_ = 0.0, least_ = std::numeric_limits<double>::infinity();
+  std::size_t count_ = 0;
+};
+
+/// Ratios to the table form, and to a frame of one colour, in the same run.
 std::string speed(const Report& report) {
-  constexpr std::array settings{"specialised", "camera held", "nothing moves"};
-  TextTable table({"scene, view", "table", "moving", "held", "still", "table/", "table/", "table/", "moving/", "wrong"},
-                  {"", "ms", "ms", "ms", "ms", "moving", "held", "still", "floor", "pixels"});
-  const double floor = frame_of(report, floor_series, "specialised");
-  std::array<double, settings.size()> log_sums{};
-  std::size_t lines = 0;
+  TextTable table({"scene, view", "table", "anew", "swings", "time", "table/", "table/", "swings/", "time/", "first", "settle", "differ", "wrong"},
+                  {"", "ms", "ms", "ms", "ms", "swings", "time", "floor", "floor", "s", "s", "px", "px"});
+  const double floor = frame_of(find(report, "speed", floor_series, "specialised"));
+  GeometricMean swings_gain, time_gain;
   for (const std::string& series : series_of(report, "speed")) {
     if (series == floor_series) continue;
-    const double base = frame_of(report, series, "table");
-    std::vector<std::string> row{series, number(base)};
-    std::array<double, settings.size()> ms{};
-    for (std::size_t i = 0; i < settings.size(); ++i) row.push_back(number(ms[i] = frame_of(report, series, settings[i])));
-    for (std::size_t i = 0; i < settings.size(); ++i) {
-      row.push_back(number(base / ms[i]));
-      log_sums[i] += std::log(base / ms[i]);
-    }
-    row.push_back(number(ms[0] / floor));
-    for (const Measurement& m : report.measurements) {
-      if (fine(m, "speed") && m.what.series == series && m.pixels) row.push_back(fraction(m.pixels));
-    }
-    if (row.size() < 10) row.emplace_back("-");
-    table.add(row);
-    ++lines;
+    const Measurement* anew = find(report, "speed", series, "specialised");
+    const Measurement* swings = find(report, "speed", series, "camera swings");
+    const Measurement* time = find(report, "speed", series, "time goes on");
+    const double base = frame_of(find(report, "speed", series, "table"));
+    swings_gain.add(base / frame_of(swings));
+    time_gain.add(base / frame_of(time));
+    std::size_t differing = 0;
+    for (const Measurement* m : {swings, time}) differing += m != nullptr ? m->differing.value_or(0) : 0;
+    const auto or_dash = [](double value) { return std::isfinite(value) ? number(value) : std::string("-"); };
+    table.add({series, or_dash(base), or_dash(frame_of(anew)), or_dash(frame_of(swings)), or_dash(frame_of(time)),
+               or_dash(base / frame_of(swings)), or_dash(base / frame_of(time)), or_dash(frame_of(swings) / floor),
+               or_dash(frame_of(time) / floor), anew != nullptr ? number(1e-3 * (anew->build_ms() + frame_of(anew))) : "-",
+               swings != nullptr ? number(1e-3 * swings->settle_ms) : "-", fmt::format("{}", differing),
+               anew != nullptr ? fraction(anew->pixels) : "-"});
   }
-  std::string below = fmt::format("  floor: a frame of one colour, {} ms", number(floor));
-  if (lines != 0) {
-    const auto mean = [&](std::size_t i) { return number(std::exp(log_sums[i] / static_cast<double>(lines))); };
-    below += fmt::format("; geometric means of table/moving {}, table/held {}, table/still {}", mean(0), mean(1), mean(2));
+  return heading("Speed (1280x720): the camera swings, or time goes on; against the table form and a frame of one colour", table,
+                 fmt::format("  floor: a frame of one colour, {} ms. Geometric means: table/swings {}, table/time {}.\n"
+                             "  anew: without verdicts, nothing kept. first: from text to the first picture. settle: frames while\n"
+                             "  verdicts are found. differ: regions that are others with all passes of a frame off.\n",
+                             number(floor), swings_gain.text(), time_gain.text()));
+}
+
+/// What each pass of a frame saves.
+std::string passes(const Report& report) {
+  TextTable table({"scene, motion", "setting", "frame", "p95", "to all"}, {"", "", "ms", "ms", "passes"});
+  for (const Measurement& m : report.measurements) {
+    if (!fine(m, "passes")) continue;
+    const Measurement* all = find(report, "passes", m.what.series, m.what.series.substr(m.what.series.rfind(", ") + 2));
+    table.add({m.what.series, m.what.variant, number(median(m.frame_ms)), number(quantile(m.frame_ms, 0.95)),
+               number(median(m.frame_ms) / frame_of(all))});
   }
-  return heading("Speed (1280x720)", table, below + "\n");
+  return heading("Passes of a frame, each off alone", table);
 }
 
 /// The columns of the thesis' table 4.1, and the errors; after our rows of a scene the thesis' own.
@@ -203,6 +229,7 @@ std::string to_table(const Report& report) {
   text += stress(report);
   text += thesis(report);
   text += speed(report);
+  text += passes(report);
   text += fits(report);
   text += failures(report);
   text += "0 is exactly none. Wrong: share of the reference's certain answers that the device contradicts;\n"

@@ -41,7 +41,7 @@ TEST_CASE("each setting differs from the first in one thing, and every pass is a
   for (const Variant& row : variants()) {
     const Settings& s = row.settings;
     const int differences = (s.codegen != first.codegen) + (s.atlas != first.atlas) + (s.filter != first.filter) +
-                            (s.samples != first.samples) + (s.motion != first.motion) + static_cast<int>(s.disabled_passes.size());
+                            (s.samples != first.samples) + (s.motion != first.motion || s.verdicts != first.verdicts) + static_cast<int>(s.disabled_passes.size());
     CHECK(differences == (&row == &variants().front() ? 0 : 1));
   }
   for (const compiler::PassInfo& pass : compiler::pass_names()) CHECK(variant("no " + std::string(pass.name)).settings.disabled_passes.size() == 1);
