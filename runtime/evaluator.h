@@ -60,6 +60,7 @@ struct FramePasses {
   bool pixel_list = true;
   bool keep_surface = true;
   bool keep_picture = true;
+  RasterPasses raster;
 };
 
 struct Evaluator::Impl {

@@ -1,6 +1,11 @@
 // Inside the runtime only: draws the cut and capped support mesh into an image of positions and normals.
 #pragma once
 
+#include <array>
+#include <map>
+#include <vector>
+
+#include "runtime/clusters.h"
 #include "runtime/gpu.h"
 #include "runtime/shot.h"
 #include "runtime/surface.h"
@@ -16,11 +21,10 @@ struct Targets {
   vk::raii::Framebuffer framebuffer{nullptr};
 };
 
-/// A piece of the picture that is rendered at once.
-struct Tile {
-  glm::uvec2 corner_px{0};
-  glm::uvec2 size_px{0};
-  friend bool operator==(const Tile&, const Tile&) = default;
+/// Those of a frame's passes (frame_pass_names) that are the rasteriser's.
+struct RasterPasses {
+  bool clusters = true;
+  bool front_faces = true;
 };
 
 class Rasteriser {
@@ -29,32 +33,40 @@ class Rasteriser {
 
   Targets make_targets(vk::Extent2D extent) const;
 
-  /// Makes `mesh` the one that is drawn. The same mesh again (compared by value) costs a comparison.
+  /// Makes `mesh` the one that is drawn. The same mesh again (compared bit by bit) costs a comparison.
   Result<void> set_mesh(const voml::Mesh& mesh);
   const voml::Bounds& bounds() const { return bounds_; }
   /// Another number for each mesh that was set.
   std::uint32_t mesh_serial() const { return mesh_serial_; }
-  std::size_t open_edges();
+  std::size_t open_edges() const { return open_edges_; }
 
   /// Records the drawing of one tile. Writes what the shaders read: the commands must be done before the next call.
-  void draw(const vk::raii::CommandBuffer& commands, const Targets& targets, const Shot& shot, const Tile& tile);
+  void draw(const vk::raii::CommandBuffer& commands, const Targets& targets, const Shot& shot, const Tile& tile,
+            const RasterPasses& passes);
 
  private:
   struct PipelineState;
   vk::raii::Pipeline make_pipeline(const PipelineState& state) const;
+  /// Has the driver compile what a kind of view may need, by drawing nothing with it.
+  void compile(const vk::raii::CommandBuffer& commands, bool is_cut);
+  void draw_call(const vk::raii::CommandBuffer& commands, const DrawCall& call) const;
+  void draw_caps(const vk::raii::CommandBuffer& commands) const;
 
   const Device::Impl& gpu_;
   vk::Format depth_format_;
   vk::raii::RenderPass pass_{nullptr};
   vk::raii::DescriptorSetLayout set_layout_{nullptr};
   vk::raii::PipelineLayout layout_{nullptr};
-  vk::raii::Pipeline surface_{nullptr}, count_{nullptr}, cap_{nullptr};
+  std::map<DrawKind, vk::raii::Pipeline> pipelines_;
+  vk::raii::Pipeline cap_{nullptr};
+  std::array<bool, 2> compiled_{};  // views without and with cuts
   GpuBuffer params_;
   vk::raii::DescriptorPool descriptor_pool_{nullptr};
   vk::raii::DescriptorSet set_{nullptr};
 
   std::optional<voml::Mesh> mesh_;
-  std::optional<std::size_t> open_edges_;
+  std::size_t open_edges_ = 0;
+  std::vector<Cluster> clusters_;
   voml::Bounds bounds_{};
   GpuBuffer vertices_, indices_;
   std::uint32_t index_count_ = 0;

@@ -201,6 +201,8 @@ bool enabled(const View& view, std::string_view pass) {
 const std::vector<FramePassInfo>& frame_pass_names() {
   static const std::vector<FramePassInfo> passes{
       {"pixel-list", "pixels without a surface are not evaluated"},
+      {"clusters", "what lies beside the picture or is cut away is not drawn; what no cut meets is not tested"},
+      {"front-faces", "of a closed mesh, triangles that turn their backs to the eye are not drawn"},
       {"keep-surface", "what stands still before a camera that stands still is not drawn again"},
       {"keep-picture", "a frame in which nothing changed is not evaluated again"},
   };
@@ -320,7 +322,7 @@ double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const Fr
   frame->shaded.reset();
   const double ms = gpu.run([&](const vk::raii::CommandBuffer& commands) {
     if (draws && shot.slice) draw_slice(commands, *frame, shot, tile);
-    if (draws && !shot.slice) rasteriser->draw(commands, frame->targets, shot, tile);
+    if (draws && !shot.slice) rasteriser->draw(commands, frame->targets, shot, tile, passes.raster);
     evaluate_tile(commands, params, passes);
     read_back(commands, *frame, tile);
   });
@@ -368,7 +370,8 @@ Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
   const vk::Extent2D extent = tile_extent(shot->size_px, view.samples);
   const Wanted wanted{view.samples == 1 ? view.colors : Colors::floats,  // the mean of samples is taken in float
                       view.want_regions || view.want_depth, view.want_depth || view.want_positions};
-  const FramePasses passes{enabled(view, "pixel-list"), enabled(view, "keep-surface"), enabled(view, "keep-picture")};
+  const FramePasses passes{enabled(view, "pixel-list"), enabled(view, "keep-surface"), enabled(view, "keep-picture"),
+                           {enabled(view, "clusters"), enabled(view, "front-faces")}};
   if (const auto ready = warm_up(*shot, extent, wanted, passes, timings); !ready) return tl::unexpected(ready.error());
 
   const Stopwatch watch(timings, "frame");
