@@ -84,7 +84,6 @@ struct Evaluator::Impl {
   std::map<std::array<vk::Bool32, 3>, KernelPipeline> pixels;  ///< by the specialisation constants
   std::optional<Rasteriser> rasteriser;
   std::optional<Frame> frame;
-  std::array<bool, 3> warm{};  ///< slices, surfaces, cut surfaces: drawn once, so compiled by the driver
 
   Impl(const Device::Impl& device, const compiler::Program& program);
   /// `constants` are the specialisation constants 0, 1, ...

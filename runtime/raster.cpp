@@ -9,6 +9,8 @@
 // cap needs no depth of its own.
 #include "runtime/raster.h"
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 #include <utility>
@@ -21,6 +23,7 @@
 namespace dmvv::runtime {
 namespace {
 
+constexpr std::uint32_t most_compiled_cuts = 4;     // beyond, shaders count them
 constexpr float smallest_depth = 1.0f / (1 << 24);  // that every format tells from 0
 
 using Access = vk::AccessFlagBits;
@@ -108,15 +111,16 @@ bool same_mesh(const voml::Mesh& a, const voml::Mesh& b) {
 struct Rasteriser::PipelineState {
   const vk::raii::ShaderModule& vertex;
   const vk::raii::ShaderModule& fragment;
-  DrawKind kind;         ///< what counts writes into the stencil, nothing else
-  bool is_cap = false;   ///< where the stencil has counted something
+  DrawKind kind;              ///< what counts writes into the stencil, nothing else
+  std::uint32_t cuts = 0;     ///< shaders/cuts.glsl
+  bool is_cap = false;        ///< where the stencil has counted something
 };
 
 vk::raii::Pipeline Rasteriser::make_pipeline(const PipelineState& state) const {
   const bool counts = state.kind.counts;
-  const std::array values{vk::Bool32{state.kind.is_cut}, vk::Bool32{counts}};
-  const std::array entries{vk::SpecializationMapEntry{0, 0, sizeof(vk::Bool32)},
-                           vk::SpecializationMapEntry{1, sizeof(vk::Bool32), sizeof(vk::Bool32)}};
+  const std::array<std::uint32_t, 3> values{state.cuts, state.kind.is_cut, counts};
+  std::array<vk::SpecializationMapEntry, values.size()> entries;
+  for (std::uint32_t i = 0; i < entries.size(); ++i) entries[i] = vk::SpecializationMapEntry{i, 4 * i, 4};
   const vk::SpecializationInfo constants{entries.size(), entries.data(), sizeof values, values.data()};
   const std::array stages{
       vk::PipelineShaderStageCreateInfo{
@@ -124,7 +128,7 @@ vk::raii::Pipeline Rasteriser::make_pipeline(const PipelineState& state) const {
       vk::PipelineShaderStageCreateInfo{.stage = vk::ShaderStageFlagBits::eFragment,
                                         .module = *state.fragment,
                                         .pName = "main",
-                                        .pSpecializationInfo = state.is_cap ? nullptr : &constants}};
+                                        .pSpecializationInfo = &constants}};
 
   const vk::VertexInputBindingDescription binding{0, sizeof(SurfaceVertex), vk::VertexInputRate::eVertex};
   const std::array attributes{
@@ -172,7 +176,13 @@ vk::raii::Pipeline Rasteriser::make_pipeline(const PipelineState& state) const {
 }
 
 Rasteriser::Rasteriser(const Device::Impl& gpu)
-    : gpu_(gpu), depth_format_(choose_depth_format(gpu.physical)), pass_(make_pass(gpu.device, depth_format_)) {
+    : gpu_(gpu),
+      depth_format_(choose_depth_format(gpu.physical)),
+      pass_(make_pass(gpu.device, depth_format_)),
+      surface_vertex_(gpu.make_shader(surface_vert, std::size(surface_vert))),
+      surface_fragment_(gpu.make_shader(surface_frag, std::size(surface_frag))),
+      cap_vertex_(gpu.make_shader(screen_vert, std::size(screen_vert))),
+      cap_fragment_(gpu.make_shader(cap_frag, std::size(cap_frag))) {
   const vk::raii::Device& device = gpu_.device;
   const vk::DescriptorSetLayoutBinding binding{
       .binding = 0,
@@ -182,21 +192,6 @@ Rasteriser::Rasteriser(const Device::Impl& gpu)
   set_layout_ = device.createDescriptorSetLayout({.bindingCount = 1, .pBindings = &binding});
   const vk::DescriptorSetLayout set_layout = *set_layout_;
   layout_ = device.createPipelineLayout({.setLayoutCount = 1, .pSetLayouts = &set_layout});
-
-  const auto surface_vert_module = gpu_.make_shader(surface_vert, std::size(surface_vert));
-  const auto surface_frag_module = gpu_.make_shader(surface_frag, std::size(surface_frag));
-  const auto screen_vert_module = gpu_.make_shader(screen_vert, std::size(screen_vert));
-  const auto cap_frag_module = gpu_.make_shader(cap_frag, std::size(cap_frag));
-  for (const bool is_cut : {false, true}) {
-    for (const DrawKind kind : {DrawKind{false, is_cut, false}, {false, is_cut, true}, {true, is_cut, true}}) {
-      pipelines_.emplace(
-          kind, make_pipeline({.vertex = surface_vert_module, .fragment = surface_frag_module, .kind = kind}));
-    }
-  }
-  cap_ = make_pipeline({.vertex = screen_vert_module,
-                        .fragment = cap_frag_module,
-                        .kind = {.counts = false, .is_cut = false, .shows_backs = true},
-                        .is_cap = true});
 
   params_ = gpu_.make_buffer(sizeof(gpu::RasterParams), vk::BufferUsageFlagBits::eUniformBuffer, MemoryUse::upload);
   const vk::DescriptorPoolSize pool_size{vk::DescriptorType::eUniformBuffer, 1};
@@ -256,22 +251,45 @@ Result<void> Rasteriser::set_mesh(const voml::Mesh& mesh) {
   return {};
 }
 
-void Rasteriser::compile(const vk::raii::CommandBuffer& commands, bool is_cut) {
-  if (std::exchange(compiled_[is_cut], true)) return;
-  commands.setScissor(0, vk::Rect2D{});
-  for (const auto& [kind, pipeline] : pipelines_) {
-    if (kind.counts <= is_cut && kind.is_cut <= is_cut) draw_call(commands, {kind, {0, 3}});
+Rasteriser::Pipelines Rasteriser::make_pipelines(std::uint32_t cut_count) const {
+  const std::uint32_t cuts = cut_count < most_compiled_cuts ? cut_count : 0;
+  Pipelines made;
+  const auto make = [&](DrawKind kind) {
+    made.surfaces.emplace(kind, make_pipeline({surface_vertex_, surface_fragment_, kind, cuts, false}));
+  };
+  for (const bool is_cut : {false, true}) {
+    if (is_cut && cut_count == 0) break;
+    for (const bool shows_backs : {false, true}) make({.counts = false, .is_cut = is_cut, .shows_backs = shows_backs});
+    if (cut_count != 0) make({.counts = true, .is_cut = is_cut, .shows_backs = true});
   }
-  if (is_cut) draw_caps(commands);
+  if (cut_count != 0) {
+    made.cap = make_pipeline({cap_vertex_, cap_fragment_, {.counts = false, .is_cut = true, .shows_backs = true}, cuts, true});
+  }
+  return made;
 }
 
-void Rasteriser::draw_call(const vk::raii::CommandBuffer& commands, const DrawCall& call) const {
-  commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *pipelines_.at(call.kind));
+bool Rasteriser::is_ready(std::uint32_t cut_count) const {
+  return pipelines_.contains(std::min(cut_count, most_compiled_cuts));
+}
+
+const Rasteriser::Pipelines& Rasteriser::ready_pipelines(const vk::raii::CommandBuffer& commands, std::uint32_t cut_count) {
+  const auto [found, is_new] = pipelines_.try_emplace(std::min(cut_count, most_compiled_cuts));
+  Pipelines& pipelines = found->second;
+  if (!is_new) return pipelines;
+  pipelines = make_pipelines(cut_count);
+  commands.setScissor(0, vk::Rect2D{});
+  for (const auto& [kind, pipeline] : pipelines.surfaces) pipelines.draw(commands, {kind, {0, 3}});
+  if (cut_count != 0) pipelines.draw_caps(commands);
+  return pipelines;
+}
+
+void Rasteriser::Pipelines::draw(const vk::raii::CommandBuffer& commands, const DrawCall& call) const {
+  commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *surfaces.at(call.kind));
   commands.drawIndexed(call.indices.count, 1, call.indices.first, 0, 0);
 }
 
-void Rasteriser::draw_caps(const vk::raii::CommandBuffer& commands) const {
-  commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *cap_);
+void Rasteriser::Pipelines::draw_caps(const vk::raii::CommandBuffer& commands) const {
+  commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *cap);
   commands.draw(3, 1, 0, 0);
 }
 
@@ -302,16 +320,16 @@ void Rasteriser::draw(const vk::raii::CommandBuffer& commands, const Targets& ta
   commands.bindDescriptorSets(graphics, *layout_, 0, *set_, nullptr);
   commands.bindVertexBuffers(0, *vertices_.buffer, vk::DeviceSize{0});
   commands.bindIndexBuffer(*indices_.buffer, 0, vk::IndexType::eUint32);
-  compile(commands, shot.raster.cut_count > 0);
+  const Pipelines& pipelines = ready_pipelines(commands, shot.raster.cut_count);
   commands.setScissor(0, area);
   const std::array everything{Cluster{.indices = {0, index_count_}, .radius = std::numeric_limits<double>::infinity()}};
   const auto clusters = passes.clusters ? std::span<const Cluster>(clusters_) : everything;
   const bool shows_all_backs = shot.eye_within || !passes.front_faces;
-  for (const DrawCall& call : plan_draw(clusters, shot, tile, shows_all_backs)) draw_call(commands, call);
+  for (const DrawCall& call : plan_draw(clusters, shot, tile, shows_all_backs)) pipelines.draw(commands, call);
   if (shot.has_caps) {  // over all that is behind, or only where there is nothing
     viewport.minDepth = viewport.maxDepth = shot.eye_within ? smallest_depth : 1.0f;
     commands.setViewport(0, viewport);
-    draw_caps(commands);
+    pipelines.draw_caps(commands);
   }
   commands.endRenderPass();
 }

@@ -1,7 +1,6 @@
 // Inside the runtime only: draws the cut and capped support mesh into an image of positions and normals.
 #pragma once
 
-#include <array>
 #include <map>
 #include <vector>
 
@@ -40,26 +39,32 @@ class Rasteriser {
   std::uint32_t mesh_serial() const { return mesh_serial_; }
   std::size_t open_edges() const { return open_edges_; }
 
+  /// Whether the driver has compiled what views with so many cuts need.
+  bool is_ready(std::uint32_t cut_count) const;
   /// Records the drawing of one tile. Writes what the shaders read: the commands must be done before the next call.
   void draw(const vk::raii::CommandBuffer& commands, const Targets& targets, const Shot& shot, const Tile& tile,
             const RasterPasses& passes);
 
  private:
   struct PipelineState;
+  struct Pipelines {
+    std::map<DrawKind, vk::raii::Pipeline> surfaces;
+    vk::raii::Pipeline cap{nullptr};
+    void draw(const vk::raii::CommandBuffer& commands, const DrawCall& call) const;
+    void draw_caps(const vk::raii::CommandBuffer& commands) const;
+  };
   vk::raii::Pipeline make_pipeline(const PipelineState& state) const;
-  /// Has the driver compile what a kind of view may need, by drawing nothing with it.
-  void compile(const vk::raii::CommandBuffer& commands, bool is_cut);
-  void draw_call(const vk::raii::CommandBuffer& commands, const DrawCall& call) const;
-  void draw_caps(const vk::raii::CommandBuffer& commands) const;
+  Pipelines make_pipelines(std::uint32_t cut_count) const;
+  /// The pipelines for so many cuts. The first time, the driver is made to compile them, by drawing nothing.
+  const Pipelines& ready_pipelines(const vk::raii::CommandBuffer& commands, std::uint32_t cut_count);
 
   const Device::Impl& gpu_;
   vk::Format depth_format_;
   vk::raii::RenderPass pass_{nullptr};
   vk::raii::DescriptorSetLayout set_layout_{nullptr};
   vk::raii::PipelineLayout layout_{nullptr};
-  std::map<DrawKind, vk::raii::Pipeline> pipelines_;
-  vk::raii::Pipeline cap_{nullptr};
-  std::array<bool, 2> compiled_{};  // views without and with cuts
+  vk::raii::ShaderModule surface_vertex_, surface_fragment_, cap_vertex_, cap_fragment_;
+  std::map<std::uint32_t, Pipelines> pipelines_;  // by the number of cuts; from most_compiled_cuts on, for any number
   GpuBuffer params_;
   vk::raii::DescriptorPool descriptor_pool_{nullptr};
   vk::raii::DescriptorSet set_{nullptr};

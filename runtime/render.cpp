@@ -335,7 +335,7 @@ double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const Fr
 /// drawn into the frame's own images: lavapipe compiles a kernel anew for images whose sides are powers of two.
 Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, const Wanted& wanted,
                                       const FramePasses& passes, Timings* timings) {
-  bool& is_warm = warm[shot.slice ? 0 : shot.has_caps ? 2 : 1];
+  const bool is_warm = shot.slice || rasteriser->is_ready(shot.raster.cut_count);
   const bool has_frame = frame && frame->targets.extent == extent && frame->wanted == wanted;
   const auto constants = kernel_constants(wanted, passes);
   const bool has_kernel = pixels.contains(constants);
@@ -352,7 +352,6 @@ Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, con
     frame = make_frame(extent, wanted);
   }
   render_tile(shot, {{0, 0}, glm::min(warm_up_px, shot.size_px)}, passes);
-  is_warm = true;
   return {};
 }
 

@@ -28,7 +28,7 @@ vec3 ray_direction(vec2 pixel) {
 
 Kept kept_part(vec3 direction) {
   Kept kept = Kept(-never, never, 0, 0);
-  for (uint i = 0; i < raster.cut_count; ++i) {
+  for (uint i = 0; i < cut_count(); ++i) {
     precise float along = dot(raster.cuts[i].plane.xyz, direction);
     float gap = raster.cuts[i].along.w;
     if (i < raster.front_count) {

@@ -6,9 +6,9 @@
 #include "shaders/surface.glsl"
 
 // true: some of what is drawn may be cut away.
-layout(constant_id = 0) const bool is_cut = false;
+layout(constant_id = 1) const bool is_cut = false;
 // true: no surface is drawn; fragments beyond the cap are counted by the stencil, leaving ones up, entering ones down.
-layout(constant_id = 1) const bool counts = false;
+layout(constant_id = 2) const bool counts = false;
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -24,9 +24,9 @@ vec3 snap(vec3 p, vec3 corner) {
 
 // The cap is where the ray comes into what is left, or, if the eye is in it, goes out.
 bool is_wanted(vec2 pixel, float inverse_depth) {
-  if (!counts) return is_left(raster.cut_count, pixel, inverse_depth);
+  if (!counts) return is_left(cut_count(), pixel, inverse_depth);
   bool from_outside = raster.front_count != 0;
-  return is_left(from_outside ? raster.front_count : raster.cut_count, pixel, inverse_depth) == from_outside;
+  return is_left(from_outside ? raster.front_count : cut_count(), pixel, inverse_depth) == from_outside;
 }
 
 void main() {
