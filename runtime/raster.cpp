@@ -23,7 +23,7 @@
 namespace dmvv::runtime {
 namespace {
 
-constexpr std::uint32_t most_compiled_cuts = 4;     // beyond, shaders count them
+constexpr std::uint32_t most_compiled_cuts = 4;  // from here on, shaders are made for any number
 constexpr float smallest_depth = 1.0f / (1 << 24);  // that every format tells from 0
 
 using Access = vk::AccessFlagBits;
@@ -111,9 +111,9 @@ bool same_mesh(const voml::Mesh& a, const voml::Mesh& b) {
 struct Rasteriser::PipelineState {
   const vk::raii::ShaderModule& vertex;
   const vk::raii::ShaderModule& fragment;
-  DrawKind kind;              ///< what counts writes into the stencil, nothing else
-  std::uint32_t cuts = 0;     ///< shaders/cuts.glsl
-  bool is_cap = false;        ///< where the stencil has counted something
+  DrawKind kind;           ///< what counts writes into the stencil, nothing else
+  std::uint32_t cuts = 0;  ///< as they are compiled in (shaders/cuts.glsl)
+  bool is_cap = false;     ///< where the stencil has counted something
 };
 
 vk::raii::Pipeline Rasteriser::make_pipeline(const PipelineState& state) const {
@@ -140,7 +140,8 @@ vk::raii::Pipeline Rasteriser::make_pipeline(const PipelineState& state) const {
   const vk::PipelineViewportStateCreateInfo viewport{.viewportCount = 1, .scissorCount = 1};
   const vk::PipelineRasterizationStateCreateInfo rasterization{
       .cullMode = state.kind.shows_backs ? vk::CullModeFlagBits::eNone : vk::CullModeFlagBits::eBack,
-      .frontFace = vk::FrontFace::eCounterClockwise, .lineWidth = 1.0f};
+      .frontFace = vk::FrontFace::eCounterClockwise,
+      .lineWidth = 1.0f};
   const vk::PipelineMultisampleStateCreateInfo multisample{.rasterizationSamples = vk::SampleCountFlagBits::e1};
 
   using Compare = vk::CompareOp;
