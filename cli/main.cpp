@@ -1,5 +1,8 @@
 // The program `dmvv`: arguments in, exit code out. Each subcommand has its own file.
 #include <fmt/format.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -65,7 +68,17 @@ int run(Invocation& invocation) {
   return exit_environment;
 }
 
+/// What a frame gives back, the next one takes. By default the C library hands it to the system, which clears it anew:
+/// a third of the time in which lavapipe draws 100,000 triangles.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_TRIM_THRESHOLD, 256 << 20);
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most there is; it is no longer found by itself once the other is set
+#endif
+}
+
 int main_function(int count, char** words) {
+  keep_freed_memory();
   Invocation invocation;
   CLI::App app("Compiles VOML scenes, trees of signed distance functions embedded in each other, and draws them.",
                "dmvv");

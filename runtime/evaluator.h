@@ -63,6 +63,7 @@ struct FramePasses {
   bool keep_picture = true;
   bool verdicts = true;
   bool keep_still = true;
+  bool clusters = true;
 };
 
 struct Evaluator::Impl {
@@ -91,7 +92,6 @@ struct Evaluator::Impl {
   bool has_drawn = false;  ///< a frame beyond the warm-up: another one may follow, and verdicts pay
   std::optional<Rasteriser> rasteriser;
   std::optional<Frame> frame;
-  std::array<bool, 3> warm{};  ///< slices, surfaces, cut surfaces: drawn once, so compiled by the driver
 
   Impl(const Device::Impl& device, const compiler::Program& program);
   /// `constants` are the specialisation constants 0, 1, ...

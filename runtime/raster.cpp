@@ -4,10 +4,16 @@
 // Counting tells: of the mesh's fragments beyond that point, those that leave the solid minus those that enter it are
 // the shells around the point, whatever the mesh's shape (Crow 1977, shadow volumes; stencil counting as in Heidmann
 // 1991). One counting pass serves all cuts, since the kept part is convex and every ray enters it once.
+//
+// Where the eye is removed, all that stays lies behind the caps; where it is left, all that stays lies before them. So a
+// cap needs no depth of its own.
 #include "runtime/raster.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
+#include <utility>
 
 #include "spirv/cap_frag.h"
 #include "spirv/screen_vert.h"
@@ -16,6 +22,9 @@
 
 namespace dmvv::runtime {
 namespace {
+
+constexpr std::uint32_t most_compiled_cuts = 4;  // from here on, shaders are made for any number
+constexpr float smallest_depth = 1.0f / (1 << 24);  // that every format tells from 0
 
 using Access = vk::AccessFlagBits;
 using Stage = vk::PipelineStageFlagBits;
@@ -87,58 +96,68 @@ vk::StencilOpState stencil(vk::CompareOp compare, vk::StencilOp pass) {
           .reference = 0};
 }
 
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
 bool same_mesh(const voml::Mesh& a, const voml::Mesh& b) {
-  return a.positions == b.positions && a.triangles == b.triangles;
+  return same_bits(a.positions, b.positions) && same_bits(a.triangles, b.triangles);
 }
 
 }  // namespace
 
-/// In what the three pipelines differ.
+/// In what the pipelines differ.
 struct Rasteriser::PipelineState {
   const vk::raii::ShaderModule& vertex;
   const vk::raii::ShaderModule& fragment;
-  vk::Bool32 counts = VK_FALSE;  ///< into the stencil, nothing else
-  vk::Bool32 fills_counted = VK_FALSE;
-  vk::Bool32 has_vertices = VK_TRUE;
+  DrawKind kind;           ///< what counts writes into the stencil, nothing else
+  std::uint32_t cuts = 0;  ///< as they are compiled in (shaders/cuts.glsl)
+  bool is_cap = false;     ///< where the stencil has counted something
 };
 
 vk::raii::Pipeline Rasteriser::make_pipeline(const PipelineState& state) const {
-  const vk::SpecializationMapEntry entry{.constantID = 0, .offset = 0, .size = sizeof(vk::Bool32)};
-  const vk::SpecializationInfo constants{1, &entry, sizeof(vk::Bool32), &state.counts};
+  const bool counts = state.kind.counts;
+  const std::array<std::uint32_t, 3> values{state.cuts, state.kind.is_cut, counts};
+  std::array<vk::SpecializationMapEntry, values.size()> entries;
+  for (std::uint32_t i = 0; i < entries.size(); ++i) entries[i] = vk::SpecializationMapEntry{i, 4 * i, 4};
+  const vk::SpecializationInfo constants{entries.size(), entries.data(), sizeof values, values.data()};
   const std::array stages{
       vk::PipelineShaderStageCreateInfo{
           .stage = vk::ShaderStageFlagBits::eVertex, .module = *state.vertex, .pName = "main"},
       vk::PipelineShaderStageCreateInfo{.stage = vk::ShaderStageFlagBits::eFragment,
                                         .module = *state.fragment,
                                         .pName = "main",
-                                        .pSpecializationInfo = state.fills_counted ? nullptr : &constants}};
+                                        .pSpecializationInfo = &constants}};
 
   const vk::VertexInputBindingDescription binding{0, sizeof(SurfaceVertex), vk::VertexInputRate::eVertex};
   const std::array attributes{
       vk::VertexInputAttributeDescription{0, 0, vk::Format::eR32G32B32Sfloat, offsetof(SurfaceVertex, position)},
       vk::VertexInputAttributeDescription{1, 0, vk::Format::eR32G32B32Sfloat, offsetof(SurfaceVertex, normal)}};
   vk::PipelineVertexInputStateCreateInfo input;
-  if (state.has_vertices) input.setVertexBindingDescriptions(binding).setVertexAttributeDescriptions(attributes);
+  if (!state.is_cap) input.setVertexBindingDescriptions(binding).setVertexAttributeDescriptions(attributes);
   const vk::PipelineInputAssemblyStateCreateInfo assembly{.topology = vk::PrimitiveTopology::eTriangleList};
   const vk::PipelineViewportStateCreateInfo viewport{.viewportCount = 1, .scissorCount = 1};
   const vk::PipelineRasterizationStateCreateInfo rasterization{
-      .cullMode = vk::CullModeFlagBits::eNone, .frontFace = vk::FrontFace::eCounterClockwise, .lineWidth = 1.0f};
+      .cullMode = state.kind.shows_backs ? vk::CullModeFlagBits::eNone : vk::CullModeFlagBits::eBack,
+      .frontFace = vk::FrontFace::eCounterClockwise,
+      .lineWidth = 1.0f};
   const vk::PipelineMultisampleStateCreateInfo multisample{.rasterizationSamples = vk::SampleCountFlagBits::e1};
 
   using Compare = vk::CompareOp;
   using Op = vk::StencilOp;
   const vk::PipelineDepthStencilStateCreateInfo depth_stencil{
-      .depthTestEnable = !state.counts,
-      .depthWriteEnable = !state.counts,
+      .depthTestEnable = !counts,
+      .depthWriteEnable = !counts,
       .depthCompareOp = Compare::eGreater,
-      .stencilTestEnable = state.counts || state.fills_counted,
-      .front = state.counts ? stencil(Compare::eAlways, Op::eDecrementAndWrap) : stencil(Compare::eNotEqual, Op::eKeep),
-      .back = state.counts ? stencil(Compare::eAlways, Op::eIncrementAndWrap) : stencil(Compare::eNotEqual, Op::eKeep)};
+      .stencilTestEnable = counts || state.is_cap,
+      .front = counts ? stencil(Compare::eAlways, Op::eDecrementAndWrap) : stencil(Compare::eNotEqual, Op::eKeep),
+      .back = counts ? stencil(Compare::eAlways, Op::eIncrementAndWrap) : stencil(Compare::eNotEqual, Op::eKeep)};
 
   using Component = vk::ColorComponentFlagBits;
   const auto written = Component::eR | Component::eG | Component::eB | Component::eA;
   const vk::PipelineColorBlendAttachmentState color{.colorWriteMask =
-                                                        state.counts ? vk::ColorComponentFlags{} : written};
+                                                        counts ? vk::ColorComponentFlags{} : written};
   const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = 1, .pAttachments = &color};
   const std::array dynamic_states{vk::DynamicState::eViewport, vk::DynamicState::eScissor};
   const vk::PipelineDynamicStateCreateInfo dynamic{.dynamicStateCount = dynamic_states.size(),
@@ -158,7 +177,13 @@ vk::raii::Pipeline Rasteriser::make_pipeline(const PipelineState& state) const {
 }
 
 Rasteriser::Rasteriser(const Device::Impl& gpu)
-    : gpu_(gpu), depth_format_(choose_depth_format(gpu.physical)), pass_(make_pass(gpu.device, depth_format_)) {
+    : gpu_(gpu),
+      depth_format_(choose_depth_format(gpu.physical)),
+      pass_(make_pass(gpu.device, depth_format_)),
+      surface_vertex_(gpu.make_shader(surface_vert, std::size(surface_vert))),
+      surface_fragment_(gpu.make_shader(surface_frag, std::size(surface_frag))),
+      cap_vertex_(gpu.make_shader(screen_vert, std::size(screen_vert))),
+      cap_fragment_(gpu.make_shader(cap_frag, std::size(cap_frag))) {
   const vk::raii::Device& device = gpu_.device;
   const vk::DescriptorSetLayoutBinding binding{
       .binding = 0,
@@ -168,15 +193,6 @@ Rasteriser::Rasteriser(const Device::Impl& gpu)
   set_layout_ = device.createDescriptorSetLayout({.bindingCount = 1, .pBindings = &binding});
   const vk::DescriptorSetLayout set_layout = *set_layout_;
   layout_ = device.createPipelineLayout({.setLayoutCount = 1, .pSetLayouts = &set_layout});
-
-  const auto surface_vert_module = gpu_.make_shader(surface_vert, std::size(surface_vert));
-  const auto surface_frag_module = gpu_.make_shader(surface_frag, std::size(surface_frag));
-  const auto screen_vert_module = gpu_.make_shader(screen_vert, std::size(screen_vert));
-  const auto cap_frag_module = gpu_.make_shader(cap_frag, std::size(cap_frag));
-  surface_ = make_pipeline({.vertex = surface_vert_module, .fragment = surface_frag_module});
-  count_ = make_pipeline({.vertex = surface_vert_module, .fragment = surface_frag_module, .counts = VK_TRUE});
-  cap_ = make_pipeline(
-      {.vertex = screen_vert_module, .fragment = cap_frag_module, .fills_counted = VK_TRUE, .has_vertices = VK_FALSE});
 
   params_ = gpu_.make_buffer(sizeof(gpu::RasterParams), vk::BufferUsageFlagBits::eUniformBuffer, MemoryUse::upload);
   const vk::DescriptorPoolSize pool_size{vk::DescriptorType::eUniformBuffer, 1};
@@ -221,38 +237,77 @@ Result<void> Rasteriser::set_mesh(const voml::Mesh& mesh) {
   if (mesh_ && same_mesh(*mesh_, mesh)) return {};
   auto surface = make_surface(mesh);
   if (!surface) return tl::unexpected(std::move(surface.error()));
+  open_edges_ = voml::count_open_edges(mesh);
+  clusters_ = make_clusters(*surface, open_edges_ == 0 ? voml::outward_triangles(mesh)
+                                                       : std::vector<bool>(mesh.triangles.size(), false));
+  whole_ = joined(clusters_);
   mesh_.reset();  // a failure below must not leave the old mesh's name on the new one's buffers
-  open_edges_.reset();
   vertices_ = upload_buffer(gpu_, surface->vertices.data(), surface->vertices.size() * sizeof(SurfaceVertex),
                             vk::BufferUsageFlagBits::eVertexBuffer);
   indices_ = upload_buffer(gpu_, surface->indices.data(), surface->indices.size() * sizeof(std::uint32_t),
                            vk::BufferUsageFlagBits::eIndexBuffer);
-  index_count_ = static_cast<std::uint32_t>(surface->indices.size());
   bounds_ = surface->bounds;
   mesh_ = mesh;
   ++mesh_serial_;
   return {};
 }
 
-std::size_t Rasteriser::open_edges() {
-  if (!open_edges_) open_edges_ = voml::count_open_edges(*mesh_);
-  return *open_edges_;
+Rasteriser::Pipelines Rasteriser::make_pipelines(std::uint32_t cut_count) const {
+  const std::uint32_t cuts = cut_count < most_compiled_cuts ? cut_count : 0;
+  Pipelines made;
+  const auto make = [&](DrawKind kind) {
+    made.surfaces.emplace(kind, make_pipeline({surface_vertex_, surface_fragment_, kind, cuts, false}));
+  };
+  for (const bool is_cut : {false, true}) {
+    if (is_cut && cut_count == 0) break;
+    for (const bool shows_backs : {false, true}) make({.counts = false, .is_cut = is_cut, .shows_backs = shows_backs});
+    if (cut_count != 0) make({.counts = true, .is_cut = is_cut, .shows_backs = true});
+  }
+  if (cut_count != 0) {
+    made.cap = make_pipeline({cap_vertex_, cap_fragment_, {.counts = false, .is_cut = true, .shows_backs = true}, cuts, true});
+  }
+  return made;
+}
+
+bool Rasteriser::is_ready(std::uint32_t cut_count) const {
+  return pipelines_.contains(std::min(cut_count, most_compiled_cuts));
+}
+
+const Rasteriser::Pipelines& Rasteriser::ready_pipelines(const vk::raii::CommandBuffer& commands, std::uint32_t cut_count) {
+  const auto [found, is_new] = pipelines_.try_emplace(std::min(cut_count, most_compiled_cuts));
+  Pipelines& pipelines = found->second;
+  if (!is_new) return pipelines;
+  pipelines = make_pipelines(cut_count);
+  commands.setScissor(0, vk::Rect2D{});
+  for (const auto& [kind, pipeline] : pipelines.surfaces) pipelines.draw(commands, {kind, {0, 3}});
+  if (cut_count != 0) pipelines.draw_caps(commands);
+  return pipelines;
+}
+
+void Rasteriser::Pipelines::draw(const vk::raii::CommandBuffer& commands, const DrawCall& call) const {
+  commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *surfaces.at(call.kind));
+  commands.drawIndexed(call.indices.count, 1, call.indices.first, 0, 0);
+}
+
+void Rasteriser::Pipelines::draw_caps(const vk::raii::CommandBuffer& commands) const {
+  commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *cap);
+  commands.draw(3, 1, 0, 0);
 }
 
 void Rasteriser::draw(const vk::raii::CommandBuffer& commands, const Targets& targets, const Shot& shot,
-                      const Tile& tile) {
+                      const Tile& tile, bool in_clusters) {
   gpu::RasterParams params = shot.raster;
   params.tile_x = tile.corner_px.x;
   params.tile_y = tile.corner_px.y;
   std::memcpy(params_.mapped, &params, sizeof params);
 
   // The viewport is the whole picture, moved: a tile's pixels are those of the undivided picture.
-  const vk::Viewport viewport{-static_cast<float>(tile.corner_px.x),
-                              -static_cast<float>(tile.corner_px.y),
-                              static_cast<float>(shot.size_px.x),
-                              static_cast<float>(shot.size_px.y),
-                              0.0f,
-                              1.0f};
+  vk::Viewport viewport{-static_cast<float>(tile.corner_px.x),
+                        -static_cast<float>(tile.corner_px.y),
+                        static_cast<float>(shot.size_px.x),
+                        static_cast<float>(shot.size_px.y),
+                        0.0f,
+                        1.0f};
   const vk::Rect2D area{{0, 0}, {tile.size_px.x, tile.size_px.y}};
   const std::array<vk::ClearValue, 2> nothing{};  // depth 0 is infinitely far
   const auto graphics = vk::PipelineBindPoint::eGraphics;
@@ -263,17 +318,18 @@ void Rasteriser::draw(const vk::raii::CommandBuffer& commands, const Targets& ta
                             .pClearValues = nothing.data()},
                            vk::SubpassContents::eInline);
   commands.setViewport(0, viewport);
-  commands.setScissor(0, area);
   commands.bindDescriptorSets(graphics, *layout_, 0, *set_, nullptr);
   commands.bindVertexBuffers(0, *vertices_.buffer, vk::DeviceSize{0});
   commands.bindIndexBuffer(*indices_.buffer, 0, vk::IndexType::eUint32);
-  commands.bindPipeline(graphics, *surface_);
-  commands.drawIndexed(index_count_, 1, 0, 0, 0);
-  if (shot.has_caps) {
-    commands.bindPipeline(graphics, *count_);
-    commands.drawIndexed(index_count_, 1, 0, 0, 0);
-    commands.bindPipeline(graphics, *cap_);
-    commands.draw(3, 1, 0, 0);
+  const Pipelines& pipelines = ready_pipelines(commands, shot.raster.cut_count);
+  commands.setScissor(0, area);
+  for (const DrawCall& call : plan_draw(in_clusters ? clusters_ : whole_, shot, tile, shot.eye_within)) {
+    pipelines.draw(commands, call);
+  }
+  if (shot.has_caps) {  // over all that is behind, or only where there is nothing
+    viewport.minDepth = viewport.maxDepth = shot.eye_within ? smallest_depth : 1.0f;
+    commands.setViewport(0, viewport);
+    pipelines.draw_caps(commands);
   }
   commands.endRenderPass();
 }

@@ -210,6 +210,7 @@ bool enabled(const View& view, std::string_view pass) {
 const std::vector<FramePassInfo>& frame_pass_names() {
   static const std::vector<FramePassInfo> passes{
       {"pixel-list", "pixels without a surface are not evaluated"},
+      {"clusters", "what lies beside the picture or is cut away is not drawn; what no cut meets is not tested"},
       {"keep-surface", "what stands still before a camera that stands still is not drawn again"},
       {"keep-picture", "a frame in which nothing changed is not evaluated again"},
       {"verdicts", "where a proof tells the answer, nothing is evaluated; proofs are made from the second frame on"},
@@ -355,7 +356,7 @@ double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const Fr
   frame->shaded.reset();
   const double ms = gpu.run([&](const vk::raii::CommandBuffer& commands) {
     if (draws && shot.slice) draw_slice(commands, *frame, shot, tile);
-    if (draws && !shot.slice) rasteriser->draw(commands, frame->targets, shot, tile);
+    if (draws && !shot.slice) rasteriser->draw(commands, frame->targets, shot, tile, passes.clusters);
     evaluate_tile(commands, params, passes, classifies);
     read_back(commands, *frame, tile);
   });
@@ -369,7 +370,7 @@ double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const Fr
 /// drawn into the frame's own images: lavapipe compiles a kernel anew for images whose sides are powers of two.
 Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, const Wanted& wanted,
                                       const FramePasses& passes, Timings* timings) {
-  bool& is_warm = warm[shot.slice ? 0 : shot.has_caps ? 2 : 1];
+  const bool is_warm = shot.slice || rasteriser->is_ready(shot.raster.cut_count);
   const bool has_frame = frame && frame->targets.extent == extent && frame->wanted == wanted;
   const auto constants = kernel_constants(wanted, passes);
   const bool has_kernel = pixels.contains(constants);
@@ -386,7 +387,6 @@ Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, con
     frame = make_frame(extent, wanted);
   }
   render_tile(shot, {{0, 0}, glm::min(warm_up_px, shot.size_px)}, passes);
-  is_warm = true;
   return {};
 }
 
@@ -405,7 +405,7 @@ Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
   const Wanted wanted{view.samples == 1 ? view.colors : Colors::floats,  // the mean of samples is taken in float
                       view.want_regions || view.want_depth, view.want_depth || view.want_positions};
   const FramePasses passes{enabled(view, "pixel-list"), enabled(view, "keep-surface"), enabled(view, "keep-picture"),
-                           enabled(view, "verdicts"), enabled(view, "keep-still")};
+                           enabled(view, "verdicts"), enabled(view, "keep-still"), enabled(view, "clusters")};
   if (const auto ready = warm_up(*shot, extent, wanted, passes, timings); !ready) return tl::unexpected(ready.error());
 
   const Stopwatch watch(timings, "frame");

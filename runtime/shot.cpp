@@ -8,6 +8,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <utility>
 
 namespace dmvv::runtime {
 namespace {
@@ -90,7 +91,7 @@ double near_depth(const voml::Bounds& bounds, const glm::dvec3& eye, const gpu::
                   double longest_ray) {
   double distance = distance_to_box(eye, bounds);
   for (gpu::uint i = 0; i < raster.cut_count; ++i)
-    distance = std::max(distance, -static_cast<double>(raster.cuts[i].gap.x));
+    distance = std::max(distance, -static_cast<double>(raster.cuts[i].along.w));
   const double diagonal = glm::length(bounds.hi - bounds.lo);
   const double smallest = std::max(1e-7 * diagonal, 1e-18);
   return distance > 0.0 ? std::max(0.5 * distance / longest_ray, smallest) : std::max(1e-4 * diagonal, 1e-18);
@@ -102,28 +103,32 @@ void plan_perspective(const View& view, const voml::Bounds& bounds, Shot& shot) 
   const double tan_y = std::tan(view.camera.fov_deg * std::numbers::pi / 360.0);
   const double tan_x = tan_y * shot.size_px.x / shot.size_px.y;
   const glm::dvec3 corner = basis.forward - tan_x * basis.right - tan_y * basis.down;
+  const glm::dvec3 step_x = basis.right * (2.0 * tan_x / shot.size_px.x);
+  const glm::dvec3 step_y = basis.down * (2.0 * tan_y / shot.size_px.y);
 
   gpu::RasterParams& raster = shot.raster;
   raster.eye = row(eye);
   raster.forward = row(basis.forward);
   raster.down = row(basis.down / tan_y);
   raster.ray = row(corner);
-  raster.ray_x = row(basis.right * (2.0 * tan_x / shot.size_px.x));
-  raster.ray_y = row(basis.down * (2.0 * tan_y / shot.size_px.y));
+  raster.ray_x = row(step_x);
+  raster.ray_y = row(step_y);
   raster.cut_count = static_cast<gpu::uint>(view.cuts.size());
-  for (std::size_t i = 0; i < view.cuts.size(); ++i) {
+  for (gpu::uint i = 0; i < raster.cut_count; ++i) {
     const double length = glm::length(view.cuts[i].normal);
     const glm::dvec3 normal = view.cuts[i].normal / length;
     const double d = view.cuts[i].d / length;
-    raster.cuts[i] = {row(normal, d), row({d - glm::dot(normal, eye), 0.0, 0.0})};
-    if (raster.cuts[i].gap.x < 0.0f) raster.eye_removed = 1;
+    const glm::dvec3 along(glm::dot(normal, step_x), glm::dot(normal, step_y), glm::dot(normal, corner));
+    raster.cuts[i] = {row(normal, d), row(along, d - glm::dot(normal, eye))};
+    if (raster.cuts[i].along.w < 0.0f) std::swap(raster.cuts[i], raster.cuts[raster.front_count++]);
   }
   raster.right = row(basis.right / tan_x, near_depth(bounds, eye, raster, glm::length(corner)));
 
   shot.eye = eye;
   shot.forward = basis.forward;
   // From where the solid is left whole, sections are seen from within it only.
-  shot.has_caps = raster.cut_count > 0 && (raster.eye_removed != 0 || distance_to_box(eye, bounds) == 0.0);
+  shot.eye_within = raster.front_count == 0 && distance_to_box(eye, bounds) == 0.0;
+  shot.has_caps = raster.cut_count > 0 && (raster.front_count != 0 || shot.eye_within);
   const glm::dvec3 light = -basis.forward + 0.25 * basis.right - 0.4 * basis.down;
   shot.pixels.light = row(glm::normalize(light), view.shading == Shading::lit ? 1.0 : 0.0);
   shot.pixels.bounds_lo = row(bounds.lo);

@@ -17,6 +17,7 @@ struct Shot {
   glm::uvec2 size_px{0};       ///< what is rendered: the picture times the samples
   gpu::RasterParams raster{};  ///< unused for slices; its tile is set for each tile
   gpu::PixelsParams pixels{};  ///< its size is set for each tile
+  bool eye_within = false;     ///< the eye is in the mesh's bounds, and left there: it may see the solid from within
   bool has_caps = false;       ///< sections of the cuts can be seen
   glm::dvec3 eye{0.0};
   glm::dvec3 forward{0.0};          ///< unit; depth is measured along it

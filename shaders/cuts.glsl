@@ -1,44 +1,23 @@
-// The part of a pixel's ray that the cuts leave. All cuts are compared as depths along the ray: the mesh's fragments
-// and the caps use the same numbers, so between them no pixel is left open.
+// What the cuts leave. On a pixel's ray a plane leaves the depths t with t * along <= gap; divided by t, this is a
+// comparison of two numbers that change evenly over the screen, without a division for a fragment. Surface and count
+// compare the same numbers, so between mesh and caps no pixel is left open.
 layout(set = 0, binding = 0, std140) uniform Raster { RasterParams raster; };
 
-const float never = 3.0e38;
+// How many cuts there are, if the shader is made for so many; 0: for any number.
+layout(constant_id = 0) const uint compiled_cuts = 0u;
 
-// Depths [enter, leave] stay; nothing does if enter > leave. The planes are those that were crossed there.
-struct Kept {
-  float enter;
-  float leave;
-  uint enter_plane;
-  uint leave_plane;
-};
+uint cut_count() { return compiled_cuts != 0u ? compiled_cuts : raster.cut_count; }
 
-vec3 ray_direction(vec2 fragment) {
-  vec2 pixel = fragment + vec2(raster.tile_x, raster.tile_y);
-  precise vec3 direction = raster.ray.xyz + pixel.x * raster.ray_x.xyz + pixel.y * raster.ray_y.xyz;
-  return direction;
-}
+// Of the undivided picture.
+vec2 pixel_at(vec4 fragment) { return fragment.xy + vec2(raster.tile_x, raster.tile_y); }
 
-Kept kept_part(vec3 direction) {
-  Kept kept = Kept(-never, never, 0, 0);
-  for (uint i = 0; i < raster.cut_count; ++i) {
-    precise float along = dot(raster.cuts[i].plane.xyz, direction);
-    float gap = raster.cuts[i].gap.x;
-    if (gap < 0.0) {
-      precise float t = along < 0.0 ? min(gap / along, never) : never;
-      if (t > kept.enter) {
-        kept.enter = t;
-        kept.enter_plane = i;
-      }
-    } else if (along > 0.0) {
-      precise float t = gap / along;
-      if (t < kept.leave) {
-        kept.leave = t;
-        kept.leave_plane = i;
-      }
-    }
+// Whether the first `count` planes leave a point.
+bool is_left(uint count, vec2 pixel, float inverse_depth) {
+  float most = 0.0;
+  for (uint i = 0; i < cut_count(); ++i) {
+    vec4 cut = raster.cuts[i].along;
+    precise float beyond = cut.x * pixel.x + cut.y * pixel.y + cut.z - cut.w * inverse_depth;
+    most = i < count ? max(most, beyond) : most;
   }
-  return kept;
+  return most == 0.0;
 }
-
-// Where the solid is capped along this ray: where the ray comes into the kept part, or, if the eye is in it, goes out.
-float cap_depth(Kept kept) { return raster.eye_removed != 0 ? kept.enter : kept.leave; }

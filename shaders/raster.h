@@ -15,7 +15,8 @@ using vec4 = glm::vec4;
 // A cutting plane: n.x > d is taken away.
 struct CutPlane {
   vec4 plane;  // xyz: unit normal n, w: d
-  vec4 gap;    // x: d - n.eye, negative where the plane takes the eye's side away
+  vec4 along;  // n.direction of the ray of pixel (x, y) is along.xyz . (x, y, 1);
+               // w: d - n.eye, negative where the plane takes the eye's side away
 };
 
 // A perspective picture. A point x lies at depth t = forward.(x - eye); the ray of a pixel is eye + t * direction, with
@@ -30,7 +31,7 @@ struct RasterParams {
   vec4 ray_y;           // and down
   uint tile_x, tile_y;  // where the target's corner lies in the picture, pixels
   uint cut_count;
-  uint eye_removed;  // 1 if some plane takes the eye's side away: then caps are seen from outside
+  uint front_count;  // of the first cuts: they take the eye's side away. Unless it is 0, caps are seen from outside
   CutPlane cuts[DMVV_MAX_CUTS];
 };
 

@@ -5,8 +5,10 @@
 #include "shaders/cuts.glsl"
 #include "shaders/surface.glsl"
 
+// true: some of what is drawn may be cut away.
+layout(constant_id = 1) const bool is_cut = false;
 // true: no surface is drawn; fragments beyond the cap are counted by the stencil, leaving ones up, entering ones down.
-layout(constant_id = 0) const bool count_beyond_cap = false;
+layout(constant_id = 2) const bool counts = false;
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -20,15 +22,14 @@ vec3 snap(vec3 p, vec3 corner) {
   return mix(p, corner, lessThanEqual(abs(p - corner), vec3(tolerance)));
 }
 
+// The cap is where the ray comes into what is left, or, if the eye is in it, goes out.
+bool is_wanted(vec2 pixel, float inverse_depth) {
+  if (!counts) return is_left(cut_count(), pixel, inverse_depth);
+  bool from_outside = raster.front_count != 0;
+  return is_left(from_outside ? raster.front_count : cut_count(), pixel, inverse_depth) == from_outside;
+}
+
 void main() {
-  precise float t = dot(raster.forward.xyz, position - raster.eye.xyz);
-  Kept kept = kept_part(ray_direction(gl_FragCoord.xy));
-  if (count_beyond_cap) {
-    float cap = cap_depth(kept);
-    bool beyond = raster.eye_removed != 0 ? t >= cap : t > cap;
-    if (!beyond) discard;
-  } else if (t < kept.enter || t > kept.leave) {
-    discard;
-  }
-  surface_out = pack_surface(snap(position, corner_position), normalize(gl_FrontFacing ? normal : -normal));
+  if (is_cut && !is_wanted(pixel_at(gl_FragCoord), gl_FragCoord.w)) discard;
+  if (!counts) surface_out = pack_surface(snap(position, corner_position), gl_FrontFacing ? normal : -normal);
 }

@@ -2,6 +2,7 @@
 // towards the viewer, folded onto a square (octahedral, Cigolle et al. 2014) with 16 and 15 bits. w is 0 where there is
 // no surface.
 
+// The normal may have any length but 0.
 uvec4 pack_surface(vec3 p, vec3 normal) {
   vec2 n = normal.xy / (abs(normal.x) + abs(normal.y) + abs(normal.z));
   if (normal.z < 0.0) n = (1.0 - abs(n.yx)) * mix(vec2(-1.0), vec2(1.0), greaterThanEqual(n, vec2(0.0)));

@@ -7,8 +7,11 @@
 #include <charconv>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <new>
+#include <numeric>
+#include <span>
 
 #include "voml/mesh_readers.h"
 
@@ -185,38 +188,57 @@ Bounds bounds(const Mesh& mesh) {
 }
 
 std::size_t count_open_edges(const Mesh& mesh) {
-  // Every edge of every triangle, as (smaller, larger) vertex, apart by the direction in which it is passed.
   const std::vector<std::uint32_t> first = weld(mesh.positions);
-  std::vector<std::uint64_t> upward, downward;
-  upward.reserve(mesh.triangles.size() * 3 / 2);
-  downward.reserve(mesh.triangles.size() * 3 / 2);
-  for (const glm::uvec3& triangle : mesh.triangles) {
-    const glm::uvec3 v(first[triangle.x], first[triangle.y], first[triangle.z]);
-    if (v.x == v.y || v.y == v.z || v.z == v.x) continue;  // no area: its neighbours meet each other
-    for (int corner = 0; corner < 3; ++corner) {
-      const std::uint64_t a = v[corner], b = v[(corner + 1) % 3];
-      if (a < b) {
-        upward.push_back(a << 32 | b);
-      } else {
-        downward.push_back(b << 32 | a);
-      }
+  const auto for_each_edge = [&](auto body) {
+    for (const glm::uvec3& triangle : mesh.triangles) {
+      const glm::uvec3 v(first[triangle.x], first[triangle.y], first[triangle.z]);
+      if (v.x == v.y || v.y == v.z || v.z == v.x) continue;  // no area: its neighbours meet each other
+      for (int corner = 0; corner < 3; ++corner) body(v[corner], v[(corner + 1) % 3]);
     }
-  }
-  std::ranges::sort(upward);
-  std::ranges::sort(downward);
+  };
+
+  // Every edge stands with its smaller vertex: twice the larger one, and in which direction it is passed.
+  std::vector<std::size_t> begin(mesh.positions.size() + 1, 0);
+  for_each_edge([&](std::uint32_t a, std::uint32_t b) { ++begin[std::min(a, b) + 1]; });
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<std::uint64_t> edges(begin.back());
+  std::vector<std::size_t> next(begin.begin(), begin.end() - 1);
+  for_each_edge([&](std::uint32_t a, std::uint32_t b) {
+    edges[next[std::min(a, b)]++] = std::uint64_t{std::max(a, b)} << 1 | (a < b ? 1u : 0u);
+  });
 
   // An edge is closed if it was passed once in each direction.
   std::size_t open = 0;
-  for (std::size_t u = 0, d = 0; u < upward.size() || d < downward.size();) {
-    const std::uint64_t edge = u == upward.size()     ? downward[d]
-                               : d == downward.size() ? upward[u]
-                                                      : std::min(upward[u], downward[d]);
-    std::size_t up = 0, down = 0;
-    for (; u < upward.size() && upward[u] == edge; ++u) ++up;
-    for (; d < downward.size() && downward[d] == edge; ++d) ++down;
-    if (up != 1 || down != 1) ++open;
+  for (std::size_t v = 0; v + 1 < begin.size(); ++v) {
+    const std::span of_vertex(edges.data() + begin[v], edges.data() + begin[v + 1]);
+    std::ranges::sort(of_vertex);
+    for (std::size_t e = 0, end = 0; e < of_vertex.size(); e = end) {
+      while (end < of_vertex.size() && of_vertex[end] >> 1 == of_vertex[e] >> 1) ++end;
+      if (end - e != 2 || of_vertex[e] == of_vertex[e + 1]) ++open;
+    }
   }
   return open;
+}
+
+std::vector<bool> outward_triangles(const Mesh& mesh) {
+  std::vector<std::uint32_t> part = weld(mesh.positions);  // each vertex points to another one of its part, or itself
+  const auto part_of = [&](std::uint32_t v) {
+    while (part[v] != v) v = part[v] = part[part[v]];
+    return v;
+  };
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (const std::uint32_t other : {t.y, t.z}) part[part_of(other)] = part_of(t.x);
+  }
+  std::vector<double> volumes(mesh.positions.size(), 0.0);  // six times
+  const glm::dvec3 origin = mesh.positions[mesh.triangles.front().x];
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 a = mesh.positions[t.x] - origin, b = mesh.positions[t.y] - origin, c = mesh.positions[t.z] - origin;
+    volumes[part_of(t.x)] += glm::dot(a, glm::cross(b, c));
+  }
+  std::vector<bool> outward;
+  outward.reserve(mesh.triangles.size());
+  for (const glm::uvec3& t : mesh.triangles) outward.push_back(volumes[part_of(t.x)] > 0.0);
+  return outward;
 }
 
 Mesh standard_cube() {

@@ -32,6 +32,11 @@ Bounds bounds(const Mesh& mesh);
 /// Edges that do not have exactly one triangle on each side (by orientation); 0 for a closed mesh.
 std::size_t count_open_edges(const Mesh& mesh);
 
+/// Of a closed mesh, for each triangle: whether its part (of triangles that hang together by vertices) holds a positive
+/// volume. Then its face looks outward; voids, and what is turned inside out, hold a negative one. A part that passes
+/// through itself is judged as a whole. Cost: linear.
+std::vector<bool> outward_triangles(const Mesh& mesh);
+
 /// The standard cube [-1,1]^3: 8 vertices, 12 triangles.
 Mesh standard_cube();
 

@@ -36,6 +36,24 @@ TEST_CASE("bounds hold the triangles, not the vertices that none uses") {
   CHECK(voml::bounds(mesh).hi == glm::dvec3(4, 2, 9));
 }
 
+TEST_CASE("parts of positive volume look outward, voids do not") {
+  voml::Mesh mesh = voml::standard_cube();
+  const auto add_cube = [&](double scale, double x, bool inverted) {
+    const voml::Mesh cube = voml::standard_cube();
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (const glm::dvec3& p : cube.positions) mesh.positions.push_back(scale * p + glm::dvec3(x, 0.0, 0.0));
+    for (const glm::uvec3& t : cube.triangles) {
+      mesh.triangles.push_back(first + (inverted ? glm::uvec3(t.x, t.z, t.y) : t));
+    }
+  };
+  add_cube(0.5, 0.1, true);
+  add_cube(2.0, 9.0, false);
+  REQUIRE(voml::count_open_edges(mesh) == 0);
+  std::vector<bool> expected(36, true);
+  std::fill_n(expected.begin() + 12, 12, false);
+  CHECK(voml::outward_triangles(mesh) == expected);
+}
+
 TEST_CASE("open edges: a missing triangle leaves three, a lone one has three") {
   voml::Mesh cube = voml::standard_cube();
   cube.triangles.pop_back();
