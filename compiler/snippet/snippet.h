@@ -91,9 +91,10 @@ class Snippet {
   /// FIRST.
   std::string glsl(std::string_view name, std::size_t first_time_value) const;
 
- private:
+  /// The program in two parts (time_values.h).
   const TimeSplit& time_split() const;
 
+ private:
   std::shared_ptr<const Program> program_;
   std::shared_ptr<const TimeSplit> split_;
 };

@@ -1,0 +1,139 @@
+#include "compiler/tapes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <optional>
+
+#include "compiler/shader_text.h"
+#include "compiler/tape_cells.h"
+#include "shaders/records.h"
+
+namespace dmvv::compiler {
+
+namespace {
+
+using snippet::StraightLine;
+using snippet::Tape;
+using snippet::TimeSplit;
+
+/// Times at which a device reads what it may: none that a double can count in milliseconds is beyond.
+constexpr snippet::Interval all_times{-1e300, 1e300};
+
+/// As the shaders compare with it: in float32.
+std::vector<IsoRange> iso_ranges(const Module& module) {
+  std::vector<std::optional<IsoRange>> ranges(module.functions.size());
+  for (const Sdf& sdf : module.sdfs) {
+    const auto* function = std::get_if<Id<Function>>(&sdf.source);
+    if (function == nullptr) continue;
+    const double iso = static_cast<float>(sdf.iso);
+    std::optional<IsoRange>& range = ranges[function->index];
+    range = range ? IsoRange{std::min(range->lo, iso), std::max(range->hi, iso)} : IsoRange{iso, iso};
+  }
+  std::vector<IsoRange> out;
+  for (const auto& range : ranges) out.push_back(range.value_or(IsoRange{}));
+  return out;
+}
+
+class TapeMaker {
+ public:
+  TapeMaker(const Module& module, const TapeOptions& options) : module_(module), options_(options) {}
+
+  Tapes run() {
+    out_.functions.resize(module_.functions.size());
+    straighten_large_ones();
+    const std::vector<IsoRange> isos = iso_ranges(module_);
+    for (std::size_t i = 0; i < module_.functions.size(); ++i) {
+      if (lines_[i]) append(i, isos[i]);
+    }
+    return std::move(out_);
+  }
+
+ private:
+  const TimeSplit& split(std::size_t i) const { return module_.functions[i].snippet.time_split(); }
+
+  /// All codes are known before the first tape is encoded.
+  void straighten_large_ones() {
+    lines_.resize(module_.functions.size());
+    for (std::size_t i = 0; i < module_.functions.size(); ++i) {
+      if (split(i).residual.instructions.size() < options_.least_size) continue;
+      auto line = snippet::straighten(split(i));
+      std::string why = line ? snippet::cannot_be_tape(*line, split(i).hoisted) : line.error().message;
+      if (!why.empty()) {
+        out_.functions[i].note = fmt::format("written out: {}", why);
+        continue;
+      }
+      out_.codes.add(*line);
+      lines_[i] = std::move(*line);
+    }
+  }
+
+  void append(std::size_t i, const IsoRange& iso) {
+    const auto hoisted = snippet::device_values(split(i), all_times);
+    const TapeCells cells = shorten_for_cells(*lines_[i], hoisted, iso, options_);
+    if (out_.words.empty()) out_.words.resize(2);  // the empty tapes of known sides
+    places_.assign({DMVV_TAPE_POSITIVE, DMVV_TAPE_NEGATIVE});
+    places_.resize(2 + cells.lines.size());
+    FunctionTape& function = out_.functions[i];
+    function.is_tape = true;
+    function.first_cell = static_cast<std::uint32_t>(out_.cells.size());
+    function.cells_a_side = cells.cells_a_side;
+    for (const std::uint32_t content : cells.cells) {
+      if (content >= 2 && places_[content] == 0) places_[content] = append(cells.lines[content - 2], split(i).hoisted);
+      out_.cells.push_back(places_[content]);
+    }
+    function.note = describe(*lines_[i], function);
+  }
+
+  /// The place of the tape.
+  std::uint32_t append(const StraightLine& line, std::span<const snippet::Hoisted> hoisted) {
+    const Tape tape = *out_.codes.encode(line, hoisted);
+    const auto place = static_cast<std::uint32_t>(out_.words.size());
+    out_.words.emplace_back(static_cast<std::uint32_t>(tape.instructions.size()), 0u);
+    out_.words.insert(out_.words.end(), tape.instructions.begin(), tape.instructions.end());
+    out_.registers = std::max(out_.registers, tape.registers);
+    return place;
+  }
+
+  std::string describe(const StraightLine& whole, const FunctionTape& function) const {
+    std::uint64_t undecided = 0, instructions = 0;
+    std::uint32_t longest = 0;
+    const std::span cells = std::span(out_.cells).subspan(function.first_cell);
+    for (const std::uint32_t cell : cells) {
+      const std::uint32_t length = out_.words[cell].x;
+      undecided += length != 0 ? 1 : 0;
+      instructions += length;
+      longest = std::max(longest, length);
+    }
+    return fmt::format("{} steps; of {}^3 cells {:.1f} % are undecided, with {:.0f} instructions each, {} at most",
+                       whole.steps.size(), function.cells_a_side,
+                       100.0 * static_cast<double>(undecided) / static_cast<double>(cells.size()),
+                       undecided == 0 ? 0.0 : static_cast<double>(instructions) / static_cast<double>(undecided), longest);
+  }
+
+  const Module& module_;
+  const TapeOptions& options_;
+  Tapes out_;
+  std::vector<std::optional<StraightLine>> lines_;
+  std::vector<std::uint32_t> places_;  ///< of the present function's lines, numbered as in TapeCells
+};
+
+}  // namespace
+
+Tapes make_tapes(const Module& module, const TapeOptions& options) { return TapeMaker(module, options).run(); }
+
+std::string tape_walker(const Tapes& tapes) {
+  std::string text = fmt::format("#define DMVV_TAPE_REGISTERS {}u\n", std::bit_ceil(tapes.registers));
+  if (tapes.codes.has_third_operand()) text += "#define DMVV_TAPE_THIRD\n";
+  text += tapes.codes.glsl();
+  text += shader_text::tape;
+  return text + "\n";
+}
+
+std::string tape_call(const std::string& name, const FunctionTape& tape, std::size_t first_time_value) {
+  return fmt::format("float {}(vec3 q) {{ return walk_tape(q, {}u, {}.0, {}u); }}\n", name, tape.first_cell,
+                     tape.cells_a_side, first_time_value);
+}
+
+}  // namespace dmvv::compiler
