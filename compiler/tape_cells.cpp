@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
 #include <future>
 #include <thread>
 #include <unordered_map>
@@ -51,13 +52,15 @@ class Refiner {
   TapeCells run(const StraightLine& whole) {
     std::vector<Cell> open{{{}, 0, number(whole)}};
     if (options_.shorten) open = refined(open);
-    while (options_.shorten && !open.empty() && 2u << open.front().level <= options_.most_cells_a_side) open = halved(open);
+    while (options_.shorten && !open.empty() && cells_of(open.front().level + 1) <= options_.most_cells) open = halved(open);
     closed_.insert(closed_.end(), open.begin(), open.end());
     fill_grid();
     return std::move(out_);
   }
 
  private:
+  static std::uint64_t cells_of(std::uint32_t level) { return std::uint64_t{1} << 3 * level; }
+
   const StraightLine& line(std::uint32_t content) const { return out_.lines[content - first_line]; }
 
   /// Equal lines have one number.
@@ -76,7 +79,7 @@ class Refiner {
 
   /// The children that are still open. Cells for which a budget does not suffice are closed as they are.
   std::vector<Cell> halved(std::vector<Cell> open) {
-    std::ranges::stable_sort(open, std::greater(), [&](const Cell& cell) { return line(cell.content).steps.size(); });
+    std::ranges::stable_sort(open, std::ranges::greater(), [&](const Cell& cell) { return line(cell.content).steps.size(); });
     std::vector<Cell> next;
     for (std::size_t first = 0; first < open.size(); first += cells_a_batch) {
       const std::span batch = std::span(open).subspan(first, std::min(cells_a_batch, open.size() - first));

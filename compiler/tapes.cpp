@@ -43,6 +43,7 @@ class TapeMaker {
   Tapes run() {
     out_.functions.resize(module_.functions.size());
     straighten_large_ones();
+    share_budgets();
     const std::vector<IsoRange> isos = iso_ranges(module_);
     for (std::size_t i = 0; i < module_.functions.size(); ++i) {
       if (lines_[i]) append(i, isos[i]);
@@ -67,6 +68,14 @@ class TapeMaker {
       out_.codes.add(*line);
       lines_[i] = std::move(*line);
     }
+  }
+
+  void share_budgets() {
+    const auto count = static_cast<std::uint32_t>(std::ranges::count_if(lines_, [](const auto& line) { return line.has_value(); }));
+    if (count == 0) return;
+    options_.most_work /= count;
+    options_.most_steps /= count;
+    options_.most_cells /= count;
   }
 
   void append(std::size_t i, const IsoRange& iso) {
@@ -113,7 +122,7 @@ class TapeMaker {
   }
 
   const Module& module_;
-  const TapeOptions& options_;
+  TapeOptions options_;
   Tapes out_;
   std::vector<std::optional<StraightLine>> lines_;
   std::vector<std::uint32_t> places_;  ///< of the present function's lines, numbered as in TapeCells

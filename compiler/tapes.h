@@ -17,14 +17,15 @@
 
 namespace dmvv::compiler {
 
+/// Budgets are those of all snippets together, which share them evenly.
 struct TapeOptions {
   bool shorten = true;              ///< off: one tape for the whole cube
-  std::uint32_t least_size = 1000;  ///< instructions of a snippet that becomes a tape; smaller ones are written out
-  /// Steps evaluated over boxes for one snippet, some 50 ns each and core: what bounds the time. Counted, not timed, so
-  /// that the same scene gives the same tapes.
+  std::uint32_t least_size = 2500;  ///< instructions of a snippet that becomes a tape; smaller ones are written out
+  /// Steps evaluated over boxes, some 50 ns each on one core: what bounds the time. Counted, not timed, so that the same
+  /// scene gives the same tapes.
   std::uint64_t most_work = 20'000'000;
-  std::uint64_t most_steps = 3'000'000;  ///< of the tapes of one snippet, 8 bytes each
-  std::uint32_t most_cells_a_side = 128;  ///< a power of two; 4 bytes a cell
+  std::uint64_t most_steps = 3'000'000;       ///< of all tapes, 8 bytes each on the device: 24 MB
+  std::uint32_t most_cells = 1u << 21;        ///< 4 bytes each: 8 MiB
 };
 
 /// What a function of the module becomes.
@@ -48,7 +49,7 @@ struct Tapes {
 
 /// Makes the tapes. A cell's tape decides `f <= iso` like the whole snippet does for every point that a device finds in
 /// the cell, for each iso of the SDFs that use the function, at all times.
-/// Cost: most_work steps over boxes a snippet, on all cores; the same module gives the same bytes.
+/// Cost: most_work steps over boxes, on all cores; the same module gives the same bytes.
 Tapes make_tapes(const Module& module, const TapeOptions& options);
 
 /// The walker as GLSL, for a text that has shaders/evaluate.glsl before it: tape_operation and walk_tape.

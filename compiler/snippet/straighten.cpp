@@ -17,6 +17,8 @@ namespace {
 constexpr std::size_t most_steps = 1u << 16;
 constexpr std::size_t most_work = 1u << 24;  // values looked at where ways meet
 constexpr int most_rounds = 4096;            // of one loop
+constexpr std::uint32_t cheap_steps = 4;     // that are rather made anew than kept
+constexpr std::size_t long_ago_steps = 64;
 
 Op choice_of(Type type) {
   constexpr Op ops[] = {Op::f_select, Op::i_select, Op::u_select, Op::b_select};
@@ -284,22 +286,25 @@ class Straightener {
 
   /// What reaches the result, operands before what uses them, of these first the one that needs the most values at a
   /// time: then few values wait (Sethi, Ullman 1970, "The Generation of Optimal Code for Arithmetic Expressions", as if
-  /// shared steps were not).
+  /// shared steps were not). What is cheap and was made long ago is made anew, for each value that waits takes a register.
   StraightLine ordered(std::uint32_t result) const {
-    const std::vector<std::uint32_t> needs = values_needed();
+    const std::vector<std::uint32_t> needs = values_needed(), sizes = tree_sizes();
     StraightLine line;
     std::vector<std::uint32_t> number(steps_.size(), unnumbered);
+    const auto is_there = [&](std::uint32_t k) {
+      return number[k] != unnumbered && (sizes[k] > cheap_steps || line.steps.size() - number[k] <= long_ago_steps);
+    };
     std::vector<std::uint32_t> pending{result};
     while (!pending.empty()) {
       const std::uint32_t k = pending.back();
-      if (number[k] != unnumbered) {
+      if (is_there(k)) {
         pending.pop_back();
         continue;
       }
       Step step = steps_[k];
       std::vector<std::uint32_t> missing;
       for (std::uint32_t i = 0; i < operand_count(step); ++i) {
-        if (number[step.operands[i]] == unnumbered) missing.push_back(step.operands[i]);
+        if (!is_there(step.operands[i])) missing.push_back(step.operands[i]);
       }
       std::ranges::stable_sort(missing, {}, [&](std::uint32_t operand) { return needs[operand]; });
       pending.insert(pending.end(), missing.begin(), missing.end());
@@ -310,6 +315,23 @@ class Straightener {
       line.steps.push_back(step);
     }
     return line;
+  }
+
+  /// Steps that making each value anew would take; points and constants need no register and are never made anew.
+  std::vector<std::uint32_t> tree_sizes() const {
+    std::vector<std::uint32_t> sizes(steps_.size(), cheap_steps + 1);
+    for (std::size_t k = 0; k < steps_.size(); ++k) {
+      const Step& step = steps_[k];
+      if (step.kind == Step::Kind::hoisted) sizes[k] = 1;
+      if (step.kind != Step::Kind::operation) continue;
+      sizes[k] = 1;
+      for (std::uint32_t i = 0; i < operand_count(step); ++i) {
+        const Step& operand = steps_[step.operands[i]];
+        const bool is_free = operand.kind == Step::Kind::point || operand.kind == Step::Kind::constant;
+        sizes[k] = std::min(sizes[k] + (is_free ? 0 : sizes[step.operands[i]]), cheap_steps + 1);
+      }
+    }
+    return sizes;
   }
 
   std::vector<std::uint32_t> values_needed() const {

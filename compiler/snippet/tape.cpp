@@ -174,10 +174,6 @@ bool TapeCodes::has_third_operand() const {
   return std::ranges::any_of(operations_, [](Op op) { return info(op).operands.size() == 3; });
 }
 
-bool TapeCodes::reads_time() const {
-  return std::ranges::any_of(time_values_, [](bool read) { return read; });
-}
-
 std::string TapeCodes::glsl() const {
   constexpr std::string_view prefix = "tape_";
   std::vector<Instruction> called;

@@ -38,7 +38,6 @@ class TapeCodes {
 
   /// Does some operation have three operands?
   bool has_third_operand() const;
-  bool reads_time() const;
 
   /// The functions of our own that operations call, and
   /// `uint tape_operation(uint code, uint a, uint b, uint c, uint constant, uint first_time_value)`: the bits of the
