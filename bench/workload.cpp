@@ -162,7 +162,7 @@ SceneSource many_grids(std::uint32_t count, std::uint32_t n) {
 }
 
 SceneSource large_snippet(std::uint32_t operations) {
-  constexpr std::uint32_t operations_a_stroke = 40;
+  constexpr std::uint32_t operations_a_stroke = 33;
   // Strokes of each letter: x and y of both ends, on 3 x 5 points.
   static const std::vector<std::vector<std::string>> letters{
       {"0004", "0414", "1423", "2321", "2110", "1000"}, {"1014"}, {"2404", "0402", "0222", "2220", "2000"},  // DIS

@@ -136,7 +136,7 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
                                  : flatten(module, *grid_atlas, *bitmap_atlas, enabled(options, "index"));
 
   const Tapes tapes = !thesis && enabled(options, "tapes")
-                          ? make_tapes(module, {.shorten = enabled(options, "shorten-tapes")})
+                          ? make_tapes(module, {.shorten = enabled(options, "shorten-tapes"), .least_size = options.tape_size})
                           : Tapes{};
   const GlslOptions glsl_options{options.codegen, options.inlined_line_budget, enabled(options, "fold-affine"),
                                  enabled(options, "box-tests"), &tapes};
