@@ -8,7 +8,6 @@
 
 #include "compiler/shader_text.h"
 #include "compiler/tape_cells.h"
-#include "shaders/records.h"
 
 namespace dmvv::compiler {
 

@@ -14,6 +14,7 @@
 
 #include "compiler/module.h"
 #include "compiler/snippet/tape.h"
+#include "shaders/records.h"
 
 namespace dmvv::compiler {
 
@@ -41,7 +42,7 @@ struct Tapes {
   std::vector<FunctionTape> functions;  ///< one a function
   std::vector<std::uint32_t> cells;     ///< x fastest; DMVV_TAPE_POSITIVE, DMVV_TAPE_NEGATIVE or the place of a tape
   std::vector<glm::uvec2> words;
-  std::uint32_t registers = 0;  ///< most of any tape
+  std::uint32_t registers = DMVV_TAPE_FIRST_FREE;  ///< most of any tape
   snippet::TapeCodes codes;
 
   bool any() const { return !words.empty(); }

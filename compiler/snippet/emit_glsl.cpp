@@ -203,7 +203,8 @@ Form form_of(Op op) {
 
     case Op::i_rem:
       return {"$0 - $0 / $1 * $1", sum};  // % of negative operands is open in GLSL
-    case Op::i_mod:
+    case Op::i_mod:  // likewise; the quotient rounded down
+      return {"$0 - ($0 / $1 - int(($0 ^ $1) < 0 && $0 / $1 * $1 != $0)) * $1", sum};
     case Op::u_mod:
       return {"$0 % $1", product};
     case Op::i_shr:

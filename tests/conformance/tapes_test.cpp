@@ -181,7 +181,7 @@ TEST_CASE("snippets that move, shift the boundary, give no number, or branch are
     CAPTURE(name);
     for (const std::string attributes : {"", "offset='0.05'"}) {
       const auto module = tests::lowered(scene_of(body, attributes));
-      for (const CompileOptions& options : {without({}, 1), without({"shorten-tapes"}, 1)}) {
+      for (const CompileOptions& options : {without({}, 0), without({"shorten-tapes"}, 0)}) {
         const auto program = tests::compiled(module, options);
         CHECK(has_tape(program));
         CHECK(count_wrong(module, program, device, points) == 0);
