@@ -180,9 +180,7 @@ class Shortener {
         if (is_real(b, 1.0f)) return a;
         if (is_real(a, 1.0f)) return b;
         return becomes_zero(a, b) ? a : becomes_zero(b, a) ? b : no_step;
-      case Op::f_div:
-        return is_real(b, 1.0f) ? a : no_step;
-      case Op::f_mix:  // a * (1 - c) + b * c, by either usual formula where c is 0
+      case Op::f_mix:  // a * (1 - c) + b * c
         if (!is_finite(a) || !is_finite(b) || (zero_shows_ && (may_be_zero(a) || may_be_zero(b)))) return no_step;
         return is_real(c, 0.0f) ? a : is_real(c, 1.0f) ? b : no_step;
       case Op::f_copy:

@@ -156,8 +156,7 @@ void TapeCodes::add(const StraightLine& line) {
     if (step.kind == Step::Kind::hoisted) time_values_[static_cast<std::size_t>(step.type)] = true;
   }
   std::ranges::sort(operations_);
-  const auto repeated = std::ranges::unique(operations_);
-  operations_.erase(repeated.begin(), repeated.end());
+  operations_.erase(std::unique(operations_.begin(), operations_.end()), operations_.end());
 }
 
 std::uint32_t TapeCodes::code(const Step& step) const {

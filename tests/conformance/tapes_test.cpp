@@ -162,7 +162,10 @@ TEST_CASE("snippets that move, shift the boundary, give no number, or branch are
   runtime::Device device = open_device();
   const auto points = points_of(9, 2000);
   const std::string exits = "if (p.x < -0.5) return length(p) - 0.9; if (p.y < 0.0) return p.z; return p.z - 0.3 * p.x;";
-  const std::pair<std::string, std::string> hostile[] = {
+  struct Hostile {
+    std::string name, body;
+  };
+  const Hostile hostile[] = {
       {"sqrt that has no value in half of the cube", "return sqrt(p.x) - 0.5;"},
       {"NaN from a quotient", "return p.x / p.x - 2.0 + max(p.y, 0.0) * 2.0;"},
       {"a product that overflows", "return p.x * 1e38 * 1e3 - p.y * 1e38 * 1e3;"},
@@ -177,10 +180,10 @@ TEST_CASE("snippets that move, shift the boundary, give no number, or branch are
       {"all outside", "return 1.0 + p.x * p.x;"},
       {"the point itself", "return p.y;"},
       {"arcs", "return atan(p.y, p.x) * 0.2 + asin(p.z) * 0.1 - 0.1;"}};
-  for (const auto& [name, body] : hostile) {
-    CAPTURE(name);
+  for (const Hostile& one : hostile) {
+    CAPTURE(one.name);
     for (const std::string attributes : {"", "offset='0.05'"}) {
-      const auto module = tests::lowered(scene_of(body, attributes));
+      const auto module = tests::lowered(scene_of(one.body, attributes));
       for (const CompileOptions& options : {without({}, 0), without({"shorten-tapes"}, 0)}) {
         const auto program = tests::compiled(module, options);
         CHECK(has_tape(program));
