@@ -135,9 +135,9 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   const Records records = thesis ? flatten_thesis(module, *grid_atlas, *bitmap_atlas)
                                  : flatten(module, *grid_atlas, *bitmap_atlas, enabled(options, "index"));
 
-  const Tapes tapes = !thesis && enabled(options, "tapes")
-                          ? make_tapes(module, {.shorten = enabled(options, "shorten-tapes"), .least_size = options.tape_size})
-                          : Tapes{};
+  TapeOptions tape_options = options.tapes;
+  tape_options.shorten = enabled(options, "shorten-tapes");
+  const Tapes tapes = !thesis && enabled(options, "tapes") ? make_tapes(module, tape_options) : Tapes{};
   const GlslOptions glsl_options{options.codegen, options.inlined_line_budget, enabled(options, "fold-affine"),
                                  enabled(options, "box-tests"), &tapes};
   Evaluation evaluation = generate_evaluation(module, records, *grid_atlas, glsl_options);

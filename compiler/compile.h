@@ -9,6 +9,7 @@
 #include "compiler/code_cache.h"
 #include "compiler/module.h"
 #include "compiler/program.h"
+#include "compiler/tape_options.h"
 #include "voml/result.h"
 
 namespace dmvv::compiler {
@@ -20,7 +21,7 @@ struct CompileOptions {
   std::uint32_t max_extent_3d = 2048;            ///< of the device that will run the program
   std::uint64_t max_storage_buffer = 128u << 20;
   std::uint32_t inlined_line_budget = 1000;      ///< beyond it, specialised code hands objects over to the generic walker
-  std::uint32_t tape_size = 2500;                ///< instructions of a snippet that is no longer written out: a tape
+  TapeOptions tapes;                             ///< `shorten` is what the pass says
   std::vector<std::string> disabled_passes;      ///< names of pass_names()
 };
 

@@ -43,55 +43,80 @@ class TapeMaker {
     out_.functions.resize(module_.functions.size());
     straighten_large_ones();
     share_budgets();
-    const std::vector<IsoRange> isos = iso_ranges(module_);
-    for (std::size_t i = 0; i < module_.functions.size(); ++i) {
-      if (lines_[i]) append(i, isos[i]);
-    }
+    shorten();
+    for (const Candidate& candidate : candidates_) out_.codes.add(candidate.line);  // before the first is encoded
+    for (const Candidate& candidate : candidates_) append(candidate);
     return std::move(out_);
   }
 
  private:
-  const TimeSplit& split(std::size_t i) const { return module_.functions[i].snippet.time_split(); }
+  struct Candidate {
+    std::size_t function;
+    StraightLine line;
+    TapeCells cells;
+  };
 
-  /// All codes are known before the first tape is encoded.
+  const TimeSplit& split(std::size_t function) const { return module_.functions[function].snippet.time_split(); }
+  std::size_t size(std::size_t function) const { return split(function).residual.instructions.size(); }
+
   void straighten_large_ones() {
-    lines_.resize(module_.functions.size());
     for (std::size_t i = 0; i < module_.functions.size(); ++i) {
-      if (split(i).residual.instructions.size() < options_.least_size) continue;
+      if (size(i) < options_.least_size) continue;
       auto line = snippet::straighten(split(i));
-      std::string why = line ? snippet::cannot_be_tape(*line, split(i).hoisted) : line.error().message;
-      if (!why.empty()) {
-        out_.functions[i].note = fmt::format("written out: {}", why);
-        continue;
-      }
-      out_.codes.add(*line);
-      lines_[i] = std::move(*line);
+      const std::string why = line ? snippet::cannot_be_tape(*line, split(i).hoisted) : line.error().message;
+      if (why.empty()) candidates_.push_back({i, std::move(*line), {}});
+      if (!why.empty()) out_.functions[i].note = fmt::format("written out: {}", why);
     }
   }
 
   void share_budgets() {
-    const auto count = static_cast<std::uint32_t>(std::ranges::count_if(lines_, [](const auto& line) { return line.has_value(); }));
-    if (count == 0) return;
+    const std::size_t count = std::max<std::size_t>(candidates_.size(), 1);
     options_.most_work /= count;
     options_.most_steps /= count;
-    options_.most_cells /= count;
+    options_.most_cells /= static_cast<std::uint32_t>(count);
   }
 
-  void append(std::size_t i, const IsoRange& iso) {
-    const auto hoisted = snippet::device_values(split(i), all_times);
-    const TapeCells cells = shorten_for_cells(*lines_[i], hoisted, iso, options_);
+  /// What is not worth walking is no candidate any more.
+  void shorten() {
+    const std::vector<IsoRange> isos = iso_ranges(module_);
+    std::erase_if(candidates_, [&](Candidate& candidate) {
+      const std::size_t i = candidate.function;
+      candidate.cells = shorten_for_cells(candidate.line, snippet::device_values(split(i), all_times), isos[i], options_);
+      const double walked = mean_steps(candidate.cells);
+      const bool is_written = options_.shorten && size(i) <= options_.most_written &&
+                              walked * options_.walking_cost > static_cast<double>(size(i));
+      if (is_written) out_.functions[i].note = fmt::format("written out: {} steps are {:.0f} in a cell", candidate.line.steps.size(), walked);
+      return is_written;
+    });
+  }
+
+  /// Of the cells whose side is not known.
+  static double mean_steps(const TapeCells& cells) {
+    double steps = 0.0, count = 0.0;
+    for (const std::uint32_t content : cells.cells) {
+      if (content < 2) continue;
+      steps += static_cast<double>(cells.lines[content - 2].steps.size());
+      ++count;
+    }
+    return steps / std::max(count, 1.0);
+  }
+
+  void append(const Candidate& candidate) {
+    const TapeCells& cells = candidate.cells;
     if (out_.words.empty()) out_.words.resize(2);  // the empty tapes of known sides
-    places_.assign({DMVV_TAPE_POSITIVE, DMVV_TAPE_NEGATIVE});
-    places_.resize(2 + cells.lines.size());
-    FunctionTape& function = out_.functions[i];
+    std::vector<std::uint32_t> places{DMVV_TAPE_POSITIVE, DMVV_TAPE_NEGATIVE};  // of what cells hold
+    places.resize(2 + cells.lines.size());
+    FunctionTape& function = out_.functions[candidate.function];
     function.is_tape = true;
     function.first_cell = static_cast<std::uint32_t>(out_.cells.size());
     function.cells_a_side = cells.cells_a_side;
     for (const std::uint32_t content : cells.cells) {
-      if (content >= 2 && places_[content] == 0) places_[content] = append(cells.lines[content - 2], split(i).hoisted);
-      out_.cells.push_back(places_[content]);
+      if (content >= 2 && places[content] == 0) {
+        places[content] = append(cells.lines[content - 2], split(candidate.function).hoisted);
+      }
+      out_.cells.push_back(places[content]);
     }
-    function.note = describe(*lines_[i], function);
+    function.note = describe(candidate.line, function);
   }
 
   /// The place of the tape.
@@ -123,8 +148,7 @@ class TapeMaker {
   const Module& module_;
   TapeOptions options_;
   Tapes out_;
-  std::vector<std::optional<StraightLine>> lines_;
-  std::vector<std::uint32_t> places_;  ///< of the present function's lines, numbered as in TapeCells
+  std::vector<Candidate> candidates_;
 };
 
 }  // namespace

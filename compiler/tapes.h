@@ -14,20 +14,10 @@
 
 #include "compiler/module.h"
 #include "compiler/snippet/tape.h"
+#include "compiler/tape_options.h"
 #include "shaders/records.h"
 
 namespace dmvv::compiler {
-
-/// Budgets are those of all snippets together, which share them evenly.
-struct TapeOptions {
-  bool shorten = true;              ///< off: one tape for the whole cube
-  std::uint32_t least_size = 2500;  ///< instructions of a snippet that becomes a tape; smaller ones are written out
-  /// Steps evaluated over boxes, some 50 ns each on one core: what bounds the time. Counted, not timed, so that the same
-  /// scene gives the same tapes.
-  std::uint64_t most_work = 20'000'000;
-  std::uint64_t most_steps = 3'000'000;       ///< of all tapes, 8 bytes each on the device: 24 MB
-  std::uint32_t most_cells = 1u << 21;        ///< 4 bytes each: 8 MiB
-};
 
 /// What a function of the module becomes.
 struct FunctionTape {

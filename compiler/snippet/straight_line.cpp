@@ -11,10 +11,6 @@
 
 namespace dmvv::compiler::snippet {
 
-std::uint32_t operand_count(const Step& step) {
-  return step.kind == Step::Kind::operation ? static_cast<std::uint32_t>(info(step.op).operands.size()) : 0;
-}
-
 namespace {
 
 using Bounds = IntervalDomain<Rounding::float32>;

@@ -41,7 +41,14 @@ struct StraightLine {
 };
 
 /// Operands of an operation; 0 of any other step.
-std::uint32_t operand_count(const Step& step);
+inline std::uint32_t operand_count(const Step& step) {
+  static constexpr std::uint8_t counts[] = {
+#define DMVV_OP(name, result, operands) sizeof(operands) - 1,
+#include "compiler/snippet/ops.def"
+#undef DMVV_OP
+  };
+  return step.kind == Step::Kind::operation ? counts[static_cast<std::size_t>(step.op)] : 0;
+}
 
 /// Makes the residual of a snippet a straight line with the same result at every point: of a branch both sides are
 /// computed and one is chosen, loops are unrolled, arrays become values.

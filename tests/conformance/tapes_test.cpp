@@ -25,10 +25,17 @@ runtime::Device open_device() {
   return std::move(*device);
 }
 
-CompileOptions without(std::initializer_list<const char*> passes, std::uint32_t tape_size = 2500) {
+CompileOptions without(std::initializer_list<const char*> passes) {
   CompileOptions options;
-  options.tape_size = tape_size;
   for (const char* pass : passes) options.disabled_passes.emplace_back(pass);
+  return options;
+}
+
+/// Whatever can be a tape is one.
+CompileOptions all_tapes(std::initializer_list<const char*> disabled_passes = {}) {
+  CompileOptions options = without(disabled_passes);
+  options.tapes.least_size = 0;
+  options.tapes.walking_cost = 0.0;
   return options;
 }
 
@@ -147,7 +154,7 @@ TEST_CASE("whatever snippets a scene has, as tapes they answer like the referenc
     CAPTURE(scene.name);
     const auto module = tests::lowered(scene.text, scene.files);
     if (module.functions.empty()) continue;
-    CompileOptions options = without({}, 1);
+    CompileOptions options = all_tapes();
     for (const auto codegen : {compiler::Codegen::specialised, compiler::Codegen::table}) {
       options.codegen = codegen;
       const auto program = tests::compiled(module, options);
@@ -184,7 +191,7 @@ TEST_CASE("snippets that move, shift the boundary, give no number, or branch are
     CAPTURE(one.name);
     for (const std::string attributes : {"", "offset='0.05'"}) {
       const auto module = tests::lowered(scene_of(one.body, attributes));
-      for (const CompileOptions& options : {without({}, 0), without({"shorten-tapes"}, 0)}) {
+      for (const CompileOptions& options : {all_tapes(), all_tapes({"shorten-tapes"})}) {
         const auto program = tests::compiled(module, options);
         CHECK(has_tape(program));
         CHECK(count_wrong(module, program, device, points) == 0);
@@ -195,10 +202,20 @@ TEST_CASE("snippets that move, shift the boundary, give no number, or branch are
 
 TEST_CASE("what cannot be a tape is written out and says so") {
   const auto program = tests::compiled(
-      tests::lowered(scene_of("float s = p.x; while (s < 0.9) s += 0.25; return s - 1.0;")), without({}, 1));
+      tests::lowered(scene_of("float s = p.x; while (s < 0.9) s += 0.25; return s - 1.0;")), all_tapes());
   CHECK_FALSE(has_tape(program));
   REQUIRE(program.statistics.tapes.size() == 1);
   CHECK(program.statistics.tapes[0].find("S: written out: a loop") == 0);
+}
+
+TEST_CASE("a snippet that intervals do not shorten is written out, as long as a driver can compile it") {
+  std::string body = "float s = 0.0;";  // metaballs: every one counts everywhere
+  for (int i = 0; i < 300; ++i) body += fmt::format("s += exp(-40.0 * dot(p - {0}, p - {0}));", "vec3(" + std::to_string(0.003 * i) + ")");
+  const auto module = tests::lowered(scene_of(body + "return 0.5 - s;"));
+  const auto tapes = compiler::make_tapes(module, {});
+  CHECK_FALSE(tapes.any());
+  CHECK(tapes.functions[0].note.find("written out: ") == 0);
+  CHECK(compiler::make_tapes(module, {.most_written = 1000}).any());
 }
 
 TEST_CASE("when a budget is used up the cells that are left keep longer tapes, and stay right") {
