@@ -38,7 +38,8 @@ std::uint64_t hash_of(const StraightLine& line) {
   std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a, a word at a time
   const auto add = [&](std::uint64_t word) { hash = (hash ^ word) * 0x100000001b3u; };
   for (const snippet::Step& step : line.steps) {
-    add(static_cast<std::uint64_t>(step.kind) | static_cast<std::uint64_t>(step.type) << 8 | static_cast<std::uint64_t>(step.op) << 16);
+    add(static_cast<std::uint64_t>(step.kind) | static_cast<std::uint64_t>(step.type) << 8 |
+        static_cast<std::uint64_t>(step.op) << 16);
     for (const std::uint32_t operand : step.operands) add(operand);
   }
   return hash ^ hash >> 29;
@@ -52,7 +53,8 @@ class Refiner {
   TapeCells run(const StraightLine& whole) {
     std::vector<Cell> open{{{}, 0, number(whole)}};
     if (options_.shorten) open = refined(open);
-    while (options_.shorten && !open.empty() && cells_of(open.front().level + 1) <= options_.most_cells) open = halved(open);
+    while (options_.shorten && !open.empty() && cells_of(open.front().level + 1) <= options_.most_cells)
+      open = halved(open);
     closed_.insert(closed_.end(), open.begin(), open.end());
     fill_grid();
     return std::move(out_);
@@ -79,7 +81,8 @@ class Refiner {
 
   /// The children that are still open. Cells for which a budget does not suffice are closed as they are.
   std::vector<Cell> halved(std::vector<Cell> open) {
-    std::ranges::stable_sort(open, std::ranges::greater(), [&](const Cell& cell) { return line(cell.content).steps.size(); });
+    std::ranges::stable_sort(open, std::ranges::greater(),
+                             [&](const Cell& cell) { return line(cell.content).steps.size(); });
     std::vector<Cell> next;
     for (std::size_t first = 0; first < open.size(); first += cells_a_batch) {
       const std::span batch = std::span(open).subspan(first, std::min(cells_a_batch, open.size() - first));

@@ -19,7 +19,7 @@ struct IsoRange {
 
 struct TapeCells {
   std::uint32_t cells_a_side = 1;
-  std::vector<std::uint32_t> cells;         ///< x fastest; DMVV_TAPE_POSITIVE, DMVV_TAPE_NEGATIVE, or a line's number + 2
+  std::vector<std::uint32_t> cells;  ///< x fastest; DMVV_TAPE_POSITIVE, DMVV_TAPE_NEGATIVE, or a line's number + 2
   std::deque<snippet::StraightLine> lines;  ///< all different
 };
 

@@ -81,11 +81,14 @@ class TapeMaker {
     const std::vector<IsoRange> isos = iso_ranges(module_);
     std::erase_if(candidates_, [&](Candidate& candidate) {
       const std::size_t i = candidate.function;
-      candidate.cells = shorten_for_cells(candidate.line, snippet::device_values(split(i), all_times), isos[i], options_);
+      candidate.cells =
+          shorten_for_cells(candidate.line, snippet::device_values(split(i), all_times), isos[i], options_);
       const double walked = mean_steps(candidate.cells);
       const bool is_written = options_.shorten && size(i) <= options_.most_written &&
                               walked * options_.walking_cost > static_cast<double>(size(i));
-      if (is_written) out_.functions[i].note = fmt::format("written out: {} steps are {:.0f} in a cell", candidate.line.steps.size(), walked);
+      if (is_written)
+        out_.functions[i].note =
+            fmt::format("written out: {} steps are {:.0f} in a cell", candidate.line.steps.size(), walked);
       return is_written;
     });
   }
@@ -103,7 +106,7 @@ class TapeMaker {
 
   void append(const Candidate& candidate) {
     const TapeCells& cells = candidate.cells;
-    if (out_.words.empty()) out_.words.resize(2);  // the empty tapes of known sides
+    if (out_.words.empty()) out_.words.resize(2);                               // the empty tapes of known sides
     std::vector<std::uint32_t> places{DMVV_TAPE_POSITIVE, DMVV_TAPE_NEGATIVE};  // of what cells hold
     places.resize(2 + cells.lines.size());
     FunctionTape& function = out_.functions[candidate.function];
@@ -139,10 +142,10 @@ class TapeMaker {
       instructions += length;
       longest = std::max(longest, length);
     }
-    return fmt::format("{} steps; of {}^3 cells {:.1f} % are undecided, with {:.0f} instructions each, {} at most",
-                       whole.steps.size(), function.cells_a_side,
-                       100.0 * static_cast<double>(undecided) / static_cast<double>(cells.size()),
-                       undecided == 0 ? 0.0 : static_cast<double>(instructions) / static_cast<double>(undecided), longest);
+    return fmt::format(
+        "{} steps; of {}^3 cells {:.1f} % are undecided, with {:.0f} instructions each, {} at most", whole.steps.size(),
+        function.cells_a_side, 100.0 * static_cast<double>(undecided) / static_cast<double>(cells.size()),
+        undecided == 0 ? 0.0 : static_cast<double>(instructions) / static_cast<double>(undecided), longest);
   }
 
   const Module& module_;

@@ -1,8 +1,8 @@
 // Large snippets as tapes, shortened for each cell of a grid by what intervals prove there.
 //
-// A driver takes seconds to compile thousands of lines, and every pixel pays for all of them. A tape is data: the shader
-// holds one loop that walks it (shaders/tape.glsl), and a cell of the snippet's cube needs only what can decide the side
-// of a point in it. Most cells need nothing: their side is known.
+// A driver takes seconds to compile thousands of lines, and every pixel pays for all of them. A tape is data: the
+// shader holds one loop that walks it (shaders/tape.glsl), and a cell of the snippet's cube needs only what can decide
+// the side of a point in it. Most cells need nothing: their side is known.
 //
 // Source: Keeter 2020, "Massively Parallel Rendering of Complex Closed-Form Implicit Surfaces" (MPR), and fidget.
 #pragma once
@@ -21,7 +21,7 @@ namespace dmvv::compiler {
 
 /// What a function of the module becomes.
 struct FunctionTape {
-  bool is_tape = false;        ///< else it is written out
+  bool is_tape = false;  ///< else it is written out
   std::uint32_t first_cell = 0;
   std::uint32_t cells_a_side = 1;
   std::string note;  ///< for people: "8,123 steps; ...", or why a large one is written out; empty for a small one

@@ -40,8 +40,6 @@ StraightLine without_unused(const std::vector<Step>& steps, std::uint32_t result
   return line;
 }
 
-bool is_selection(Op op) { return op >= Op::f_select && op <= Op::b_select; }
-
 float real_of(const Step& constant) { return std::bit_cast<float>(constant.operands[0]); }
 
 }  // namespace
@@ -179,13 +177,8 @@ class Shortener {
       case Op::f_mix:  // a * (1 - c) + b * c
         if (!is_finite(a) || !is_finite(b) || (zero_shows_ && (may_be_zero(a) || may_be_zero(b)))) return no_step;
         return is_real(c, 0.0f) ? a : is_real(c, 1.0f) ? b : no_step;
-      case Op::f_copy:
-      case Op::i_copy:
-      case Op::u_copy:
-      case Op::b_copy:
-        return a;
       default:
-        if (!is_selection(step.op)) return no_step;
+        if (!is_choice(step.op)) return no_step;
         if (b == c) return b;
         return is_constant(a) ? (steps_[a].operands[0] != 0 ? b : c) : no_step;
     }
@@ -224,8 +217,8 @@ class Shortener {
     if (value && plain(a) && plain(b) && plain(*value)) become_constant(step, std::bit_cast<std::uint32_t>(*value));
   }
 
-  /// Can the sign of a zero show in anything but a sign of a zero? Where an operation divides by what may be 0, or takes
-  /// bits or angles of it.
+  /// Can the sign of a zero show in anything but a sign of a zero? Where an operation divides by what may be 0, or
+  /// takes bits or angles of it.
   bool shows_zeros() const {
     return std::ranges::any_of(steps_, [&](const Step& step) {
       if (step.kind != Step::Kind::operation) return false;
@@ -255,6 +248,8 @@ class Shortener {
 
 }  // namespace
 
-StraightLine shorten(const StraightLine& line, std::span<const BoxValue> values) { return Shortener(line, values).run(); }
+StraightLine shorten(const StraightLine& line, std::span<const BoxValue> values) {
+  return Shortener(line, values).run();
+}
 
 }  // namespace dmvv::compiler::snippet

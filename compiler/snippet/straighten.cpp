@@ -25,13 +25,13 @@ Op choice_of(Type type) {
   return ops[static_cast<std::size_t>(type)];
 }
 
-bool is_copy(Op op) { return op >= Op::f_copy && op <= Op::b_copy; }
-bool is_choice(Op op) { return op >= Op::f_select && op <= Op::b_select; }
-
 class Straightener {
  public:
   explicit Straightener(const TimeSplit& split)
-      : split_(split), program_(split.residual), starts_(array_starts(program_)), registers_(program_.register_count()) {}
+      : split_(split),
+        program_(split.residual),
+        starts_(array_starts(program_)),
+        registers_(program_.register_count()) {}
 
   Result<StraightLine> run() {
     false_ = constant(Type::boolean, 0);
@@ -39,9 +39,11 @@ class Straightener {
     for (std::size_t k = 0; k < program_.constants.size(); ++k) {
       registers_[program_.first_constant() + k] = constant(program_.constants[k].type, program_.constants[k].bits);
     }
-    for (Register r = 0; r < Program::t; ++r) registers_[r] = add({Step::Kind::point, Type::real, Op::f_copy, {r, 0, 0}});
+    for (Register r = 0; r < Program::t; ++r)
+      registers_[r] = add({Step::Kind::point, Type::real, Op::f_copy, {r, 0, 0}});
     for (const Type type : program_.variables) state_.values.push_back(constant(type, 0));
-    for (const Array& array : program_.arrays) state_.values.insert(state_.values.end(), array.size, constant(array.type, 0));
+    for (const Array& array : program_.arrays)
+      state_.values.insert(state_.values.end(), array.size, constant(array.type, 0));
     state_.condition = true_;
     run(program_.body);
     if (!error_.empty()) return fail(Fault::input, error_);
@@ -286,7 +288,8 @@ class Straightener {
 
   /// What reaches the result, operands before what uses them, of these first the one that needs the most values at a
   /// time: then few values wait (Sethi, Ullman 1970, "The Generation of Optimal Code for Arithmetic Expressions", as if
-  /// shared steps were not). What is cheap and was made long ago is made anew, for each value that waits takes a register.
+  /// shared steps were not). What is cheap and was made long ago is made anew, for each value that waits takes a
+  /// register.
   StraightLine ordered(std::uint32_t result) const {
     const std::vector<std::uint32_t> needs = values_needed(), sizes = tree_sizes();
     StraightLine line;

@@ -22,7 +22,8 @@ constexpr std::uint32_t most_registers = 256;
 /// Gives registers to the values of a line in one pass, and writes its instructions.
 class Encoder {
  public:
-  Encoder(const StraightLine& line, std::span<const Hoisted> hoisted, const std::function<std::uint32_t(const Step&)>& code)
+  Encoder(const StraightLine& line, std::span<const Hoisted> hoisted,
+          const std::function<std::uint32_t(const Step&)>& code)
       : steps_(line.steps), hoisted_(hoisted), code_(code), last_use_(steps_.size(), 0), register_(steps_.size(), 0) {}
 
   std::optional<Tape> run() {
@@ -30,8 +31,9 @@ class Encoder {
     for (std::uint32_t k = 0; k < steps_.size(); ++k) encode(k);
     const Step& result = steps_.back();
     if (result.kind == Step::Kind::point || result.kind == Step::Kind::constant) {
-      encode_operation({Step::Kind::operation, Type::real, Op::f_copy, {static_cast<std::uint32_t>(steps_.size()) - 1, 0, 0}},
-                       static_cast<std::uint32_t>(steps_.size()));
+      encode_operation(
+          {Step::Kind::operation, Type::real, Op::f_copy, {static_cast<std::uint32_t>(steps_.size()) - 1, 0, 0}},
+          static_cast<std::uint32_t>(steps_.size()));
     }
     tape_.registers = next_;
     if (tape_.registers > most_registers) return std::nullopt;
@@ -98,7 +100,8 @@ class Encoder {
   }
 
   void release(std::uint32_t operand, std::uint32_t k) {
-    const bool has_register = steps_[operand].kind == Step::Kind::operation || steps_[operand].kind == Step::Kind::hoisted;
+    const bool has_register =
+        steps_[operand].kind == Step::Kind::operation || steps_[operand].kind == Step::Kind::hoisted;
     if (!has_register || last_use_[operand] != k) return;
     last_use_[operand] = ~0u;  // it may be an operand twice
     free_.push(register_[operand]);

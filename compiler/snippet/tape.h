@@ -15,15 +15,16 @@ namespace dmvv::compiler::snippet {
 
 /// A straight line as shaders/tape.glsl walks it. An instruction is two words:
 ///   x: code, destination, operands a and b, a byte each, lowest first
-///   y: a constant, which register DMVV_TAPE_CONSTANT then holds, or the register of operand c, or the slot of a time value
+///   y: a constant, which register DMVV_TAPE_CONSTANT then holds, or the register of operand c, or the slot of a time
+///   value
 /// The last instruction's value is the result.
 struct Tape {
   std::vector<glm::uvec2> instructions;
   std::uint32_t registers = 0;  ///< numbers in use, those of the point and the constant among them
 };
 
-/// Why a line has no tape: an operation that GLSL does not write as one expression, or more than 256 values that wait at
-/// a time. Empty if it has one, and so has whatever it is shortened to.
+/// Why a line has no tape: an operation that GLSL does not write as one expression, or more than 256 values that wait
+/// at a time. Empty if it has one, and so has whatever it is shortened to.
 std::string cannot_be_tape(const StraightLine& line, std::span<const Hoisted> hoisted);
 
 /// The numbers that instructions have: of the operations that some tapes use, and of reading constants and time values.

@@ -93,13 +93,12 @@ runtime::Picture slice(const compiler::Program& program, runtime::Device& device
   return std::move(*picture);
 }
 
-bool has_tape(const compiler::Program& program) {
-  return program.glsl[0].find("walk_tape") != std::string::npos;
-}
+bool has_tape(const compiler::Program& program) { return program.glsl[0].find("walk_tape") != std::string::npos; }
 
 }  // namespace
 
-TEST_CASE("a snippet of 8,000 operations is a tape: no certain answer is wrong, every pixel is that of the written code") {
+TEST_CASE(
+    "a snippet of 8,000 operations is a tape: no certain answer is wrong, every pixel is that of the written code") {
   const compiler::Module module = large_snippet(8000);
   CHECK(module.functions[0].snippet.instruction_count() >= 8000);
   runtime::Device device = open_device();
@@ -168,7 +167,8 @@ TEST_CASE("whatever snippets a scene has, as tapes they answer like the referenc
 TEST_CASE("snippets that move, shift the boundary, give no number, or branch are as tapes what they are") {
   runtime::Device device = open_device();
   const auto points = points_of(9, 2000);
-  const std::string exits = "if (p.x < -0.5) return length(p) - 0.9; if (p.y < 0.0) return p.z; return p.z - 0.3 * p.x;";
+  const std::string exits =
+      "if (p.x < -0.5) return length(p) - 0.9; if (p.y < 0.0) return p.z; return p.z - 0.3 * p.x;";
   struct Hostile {
     std::string name, body;
   };
@@ -179,8 +179,11 @@ TEST_CASE("snippets that move, shift the boundary, give no number, or branch are
       {"minimum of what may be NaN", "return min(sqrt(p.x), p.y);"},
       {"zero that is divided by", "return 1.0 / (p.x * max(p.y, 0.0)) - 4.0;"},
       {"early returns", exits},
-      {"loop", "float d = 9.0; for (int i = 0; i < 6; ++i) d = min(d, length(p - vec3(0.3 * float(i) - 0.8)) - 0.1); return d;"},
-      {"loop that the point ends", "float s = 0.1; for (int i = 0; i < 20; ++i) { if (s > p.x) break; s += 0.1; } return s - 0.7;"},
+      {"loop",
+       "float d = 9.0; for (int i = 0; i < 6; ++i) d = min(d, length(p - vec3(0.3 * float(i) - 0.8)) - 0.1); return "
+       "d;"},
+      {"loop that the point ends",
+       "float s = 0.1; for (int i = 0; i < 20; ++i) { if (s > p.x) break; s += 0.1; } return s - 0.7;"},
       {"moving", "return length(p - 0.4 * vec3(sin(t / 700.0), cos(t / 900.0), 0.0)) - 0.3;"},
       {"moving without bounds", "return fract(0.001 * t + p.x) - 0.5 + 0.1 * float(int(t / 250.0) % 3);"},
       {"whole numbers", "int i = int(floor(p.x * 4.0)); return float((i * 7 + 3) % 5) * 0.2 - 0.45 + 0.1 * p.y;"},
@@ -210,7 +213,8 @@ TEST_CASE("what cannot be a tape is written out and says so") {
 
 TEST_CASE("a snippet that intervals do not shorten is written out, as long as a driver can compile it") {
   std::string body = "float s = 0.0;";  // metaballs: every one counts everywhere
-  for (int i = 0; i < 300; ++i) body += fmt::format("s += exp(-40.0 * dot(p - {0}, p - {0}));", "vec3(" + std::to_string(0.003 * i) + ")");
+  for (int i = 0; i < 300; ++i)
+    body += fmt::format("s += exp(-40.0 * dot(p - {0}, p - {0}));", "vec3(" + std::to_string(0.003 * i) + ")");
   const auto module = tests::lowered(scene_of(body + "return 0.5 - s;"));
   const auto tapes = compiler::make_tapes(module, {});
   CHECK_FALSE(tapes.any());
@@ -225,7 +229,8 @@ TEST_CASE("when a budget is used up the cells that are left keep longer tapes, a
   const auto line = compiler::snippet::straighten(function.time_split());
   REQUIRE(line);
   const auto unlimited = compiler::shorten_for_cells(*line, {}, {}, {});
-  const compiler::TapeOptions tight[] = {{.most_work = 500'000}, {.most_steps = 12'000}, {.most_cells = 4096}, {.most_work = 0}};
+  const compiler::TapeOptions tight[] = {
+      {.most_work = 500'000}, {.most_steps = 12'000}, {.most_cells = 4096}, {.most_work = 0}};
   tests::Random random(11);
   for (const compiler::TapeOptions& options : tight) {
     const auto cells = compiler::shorten_for_cells(*line, {}, {}, options);

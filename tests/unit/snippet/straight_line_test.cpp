@@ -32,7 +32,9 @@ std::vector<BoxValue> hoisted_at(const Snippet& snippet, double t_ms) {
 bool is_static(const Snippet& snippet) { return snippet.time_split().hoisted.empty(); }
 
 /// The same bits, or both zero, or both no number.
-bool same(float a, float b) { return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b) || a == b || (a != a && b != b); }
+bool same(float a, float b) {
+  return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b) || a == b || (a != a && b != b);
+}
 
 }  // namespace
 
@@ -63,7 +65,8 @@ TEST_CASE("early returns, nested loops and arrays become choices and values") {
   const auto value = [](const std::string& body, double x) {
     return evaluate_at<double>(line_of(snippet_of(body)), {x, 0.0, 0.0}, {});
   };
-  const std::string exits = "if (p.x < -0.5) return 1.0; if (p.x < 0.0) return 2.0; if (p.x < 0.5) return 3.0; return 4.0;";
+  const std::string exits =
+      "if (p.x < -0.5) return 1.0; if (p.x < 0.0) return 2.0; if (p.x < 0.5) return 3.0; return 4.0;";
   CHECK(value(exits, -0.75) == 1.0);
   CHECK(value(exits, -0.25) == 2.0);
   CHECK(value(exits, 0.25) == 3.0);
@@ -90,8 +93,10 @@ TEST_CASE("what cannot be straight is refused with the reason") {
     return line ? std::string() : line.error().message;
   };
   CHECK(why("float s = p.x; while (s < 0.9) s += 0.1; return s;").find("a loop") == 0);
-  CHECK(why("float a[9]; for (int i = 0; i < 9; ++i) a[i] = float(i); return a[int(p.x * 4.0 + 4.0)];").find("an array") == 0);
-  CHECK(why("float s = p.x; for (int i = 0; i < 3000; ++i) for (int j = 0; j < 3000; ++j) s = sin(s + float(i * j)); return s;")
+  CHECK(why("float a[9]; for (int i = 0; i < 9; ++i) a[i] = float(i); return a[int(p.x * 4.0 + 4.0)];")
+            .find("an array") == 0);
+  CHECK(why("float s = p.x; for (int i = 0; i < 3000; ++i) for (int j = 0; j < 3000; ++j) s = sin(s + float(i * j)); "
+            "return s;")
             .find("65,536") != std::string::npos);
 }
 
@@ -144,8 +149,10 @@ TEST_CASE("unions lose the parts that are far away, smooth ones and intersection
   CHECK(shortened("return d < e ? d : e;") == alone);
   CHECK(shortened("if (d < e) return d; return e;") == alone);
   CHECK(shortened("float h = max(0.2 - abs(d - e), 0.0); return min(d, e) - h * h / 0.8;") == alone);
-  CHECK(shortened("float h = clamp(0.5 + 0.5 * (e - d) / 0.2, 0.0, 1.0); return mix(e, d, h) - 0.2 * h * (1.0 - h);") == alone);
-  CHECK(shortened("float h = clamp(0.5 + 0.5 * (d - e) / 0.2, 0.0, 1.0); return mix(d, e, h) - 0.2 * h * (1.0 - h);") == alone);
+  CHECK(shortened("float h = clamp(0.5 + 0.5 * (e - d) / 0.2, 0.0, 1.0); return mix(e, d, h) - 0.2 * h * (1.0 - h);") ==
+        alone);
+  CHECK(shortened("float h = clamp(0.5 + 0.5 * (d - e) / 0.2, 0.0, 1.0); return mix(d, e, h) - 0.2 * h * (1.0 - h);") ==
+        alone);
   CHECK(shortened("return d + e;") > alone);
 }
 
