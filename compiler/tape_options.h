@@ -11,8 +11,8 @@ struct TapeOptions {
   std::uint32_t least_size = 1500;      ///< instructions of a snippet that may be a tape; smaller ones are written out
   std::uint32_t most_written = 20'000;  ///< instructions of the largest snippet that a driver can be asked to compile
   /// How much more an instruction of a tape costs than a written one, for a picture a third of which lies in cells
-  /// whose side is not known: a snippet that intervals do not shorten as much is written out. Measured on lavapipe: 30
-  /// times.
+  /// whose side is not known: a snippet that intervals do not shorten as much is written out. Measured on lavapipe: 20
+  /// to 30 times.
   double walking_cost = 10.0;
   /// Steps evaluated over boxes, some 40 ns each on one core: what bounds the time. Counted, not timed, so that the
   /// same scene gives the same tapes.
