@@ -161,6 +161,39 @@ SceneSource many_grids(std::uint32_t count, std::uint32_t n) {
   return in_memory("grids", objects + object("CUBE", region("GROUND", count, all), reference("GROUND")), std::move(files));
 }
 
+SceneSource large_snippet(std::uint32_t operations) {
+  constexpr std::uint32_t operations_a_stroke = 33;
+  // Strokes of each letter: x and y of both ends, on 3 x 5 points.
+  static const std::vector<std::vector<std::string>> letters{
+      {"0004", "0414", "1423", "2321", "2110", "1000"}, {"1014"}, {"2404", "0402", "0222", "2220", "2000"},  // DIS
+      {"0424", "1014"}, {"0004", "0424", "2420", "0222"}, {"0004", "0420", "2024"},                          // TAN
+      {"2404", "0400", "0020"}, {"2404", "0400", "0020", "0212"}};                                           // CE
+  constexpr std::uint32_t strokes_a_word = 28, letters_a_line = 16, words_a_line = 2;
+  const std::uint32_t strokes = operations / operations_a_stroke + 1;
+  const std::uint32_t lines = (strokes - 1) / (words_a_line * strokes_a_word) + 1;
+  const glm::dvec2 cell(1.9 / letters_a_line, 1.9 / lines);
+  const double unit = std::min(0.3 * cell.x, 0.15 * cell.y);
+  std::string body = "float d = 4.0;\n";
+  std::uint32_t written = 0;
+  for (std::uint32_t place = 0; written < strokes; ++place) {
+    const glm::dvec2 corner(-0.95 + cell.x * (place % letters_a_line), 0.95 - cell.y * (place / letters_a_line + 0.9));
+    const auto end = [&](const std::string& stroke, std::size_t k) {
+      const glm::dvec2 at = corner + unit * glm::dvec2(stroke[k] - '0', stroke[k + 1] - '0');
+      return fmt::format("vec3({:.5f}, {:.5f}, {:.5f})", at.x, at.y, 0.1 * unit * std::sin(9.0 * at.x));
+    };
+    for (const std::string& stroke : letters[place % letters.size()]) {
+      if (written++ == strokes) break;
+      body += fmt::format("d = op_smooth_union(d, sd_capsule(p, {}, {}, {:.5f}), {:.5f});\n", end(stroke, 0), end(stroke, 2),
+                          0.25 * unit, 0.3 * unit);
+    }
+  }
+  const std::string text = "<SDF name=\"TEXT\" function=\"true\"><![CDATA[#include <sdf>\n" + body + "return d;]]></SDF>\n";
+  SceneSource source = in_memory("large snippet", object("PAGE", text + region("PAPER", 3) + region("INK", 7),
+                                                         decision("TEXT", reference("PAPER"), reference("INK"))));
+  source.slice = runtime::Plane{{0.0, 0.0, 1.0}, 0.0};
+  return source;
+}
+
 SceneSource empty_cube() { return in_memory("empty", object("CUBE", region("GROUND", 0), reference("GROUND"))); }
 
 }  // namespace dmvv::bench

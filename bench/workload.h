@@ -23,6 +23,10 @@ SceneSource nested_objects(std::uint32_t depth);
 /// `count` different grids of n^3 samples, each in an object of its own, all embedded in one cube.
 SceneSource many_grids(std::uint32_t count, std::uint32_t n);
 
+/// One boundary of at least `operations` operations (up to some 20,000, the limit of a snippet's text): lines of text, each
+/// stroke of a letter a capsule, joined by smooth unions. To be looked at as a slice, which is set.
+SceneSource large_snippet(std::uint32_t operations);
+
 /// Nothing but one region: what evaluating costs before there is anything to decide.
 SceneSource empty_cube();
 

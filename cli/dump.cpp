@@ -125,6 +125,7 @@ std::string statistics_text(const compiler::Program& program) {
       name_of(program.codegen), s.objects, s.sdfs, s.nodes, s.regions,
       s.candidates, s.seeds, s.depth, s.buffer_bytes, s.texture_bytes, s.atlas_fill, s.glsl_lines, s.inlined_lines);
   for (const std::string& object : s.object_codegen) result += fmt::format("object          {}\n", object);
+  for (const std::string& tape : s.tapes) result += fmt::format("tape            {}\n", tape);
   return result;
 }
 

@@ -10,6 +10,7 @@
 #include "compiler/generate_glsl.h"
 #include "compiler/judge.h"
 #include "compiler/passes.h"
+#include "compiler/tapes.h"
 #include "compiler/reference.h"
 #include "compiler/texels.h"
 #include "compiler/thesis.h"
@@ -88,6 +89,8 @@ const std::vector<PassInfo>& pass_names() {
       {"index", "seeds and candidates are found through lookup grids"},
       {"fold-affine", "identities, translations and scalings are written as such"},
       {"box-tests", "box tests that the standard cube already answers are left out"},
+      {"tapes", "large snippets are tapes that one loop walks, instead of code"},
+      {"shorten-tapes", "tapes are shortened for each cell of a grid by what intervals prove there"},
   };
   return passes;
 }
@@ -133,8 +136,11 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   Records records = thesis ? flatten_thesis(module, *grid_atlas, *bitmap_atlas)
                                  : flatten(module, *grid_atlas, *bitmap_atlas, enabled(options, "index"));
 
+  TapeOptions tape_options = options.tapes;
+  tape_options.shorten = enabled(options, "shorten-tapes");
+  const Tapes tapes = !thesis && enabled(options, "tapes") ? make_tapes(module, tape_options) : Tapes{};
   const GlslOptions glsl_options{options.codegen, options.inlined_line_budget, enabled(options, "fold-affine"),
-                                 enabled(options, "box-tests")};
+                                 enabled(options, "box-tests"), &tapes};
   Evaluation evaluation = generate_evaluation(module, records, *grid_atlas, glsl_options);
   for (const Kernel kernel : {Kernel::points, Kernel::pixels}) {
     program.glsl[static_cast<std::size_t>(kernel)] = generate_glsl(evaluation, program.depth, kernel);
@@ -150,6 +156,12 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   if (evaluation.uses.grid_atlas) add_texture(program, std::move(*grid_atlas));
   if (evaluation.uses.bitmap_atlas) add_texture(program, std::move(*bitmap_atlas));
   add_buffers(program, records, evaluation.uses);
+  if (evaluation.uses.tapes) add_buffer(program, "tape_cells", DMVV_BIND_TAPE_CELLS, tapes.cells);
+  if (evaluation.uses.tapes) add_buffer(program, "tapes", DMVV_BIND_TAPES, tapes.words);
+  for (std::size_t i = 0; i < tapes.functions.size(); ++i) {
+    const std::string& note = tapes.functions[i].note;
+    if (!note.empty()) program.statistics.tapes.push_back(module.functions[i].name + ": " + note);
+  }
   if (evaluation.uses.time) add_buffer(program, "time_values", DMVV_BIND_TIME, time_values(program.time_functions, 0.0));
   if (!check_buffers(program, options.max_storage_buffer, diagnostics)) return std::nullopt;
   if (options.judge && !thesis) {

@@ -9,6 +9,7 @@
 #include "compiler/code_cache.h"
 #include "compiler/module.h"
 #include "compiler/program.h"
+#include "compiler/tape_options.h"
 #include "voml/result.h"
 
 namespace dmvv::compiler {
@@ -21,6 +22,7 @@ struct CompileOptions {
   std::uint64_t max_storage_buffer = 128u << 20;
   std::uint32_t inlined_line_budget = 1000;      ///< beyond it, specialised code hands objects over to the generic walker
   bool judge = false;                            ///< keep what proves verdicts: for those who draw many frames; not for thesis
+  TapeOptions tapes;                             ///< `shorten` is what the pass says
   std::vector<std::string> disabled_passes;      ///< names of pass_names()
 };
 

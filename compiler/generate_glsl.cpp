@@ -52,6 +52,7 @@ constexpr std::uint32_t deep_tree = 16;  // decisions on a way; deeper trees are
 constexpr std::uint32_t nesting_of_flat_tree = 2;
 constexpr std::uint32_t nesting_of_group = 6;  // of a loop over candidates
 constexpr std::uint32_t nesting_of_walker = 8;
+constexpr std::uint32_t nesting_of_tape_walker = 3;
 
 std::uint32_t saturating_add(std::uint32_t a, std::uint64_t b) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(a + b, most_lines));
@@ -168,11 +169,17 @@ class Generator {
 
   void emit_functions() {
     std::size_t next_time_value = 0;
+    const bool any_tape = options_.tapes != nullptr && options_.tapes->any();
+    out_.uses.tapes = any_tape;
+    if (any_tape) out_.functions += tape_walker(*options_.tapes);
+    const std::uint32_t lines_of_tape_walker = any_tape ? code_lines(out_.functions) : 0;
     for (std::uint32_t i = 0; i < module_.functions.size(); ++i) {
       const Function& function = module_.functions[i];
-      const std::string text = function.snippet.glsl(function_name({i}), next_time_value);
-      function_lines_.push_back(code_lines(text));
-      function_nesting_ = std::max(function_nesting_, function.snippet.nesting());
+      const bool is_tape = any_tape && options_.tapes->functions[i].is_tape;
+      const std::string text = is_tape ? tape_call(function_name({i}), options_.tapes->functions[i], next_time_value)
+                                       : function.snippet.glsl(function_name({i}), next_time_value);
+      function_lines_.push_back(is_tape ? lines_of_tape_walker : code_lines(text));
+      function_nesting_ = std::max(function_nesting_, is_tape ? nesting_of_tape_walker : function.snippet.nesting());
       out_.functions += fmt::format("// {}\n{}\n", function.name, text);
       const std::size_t values = function.snippet.time_value_count();
       if (values == 0) continue;
@@ -810,6 +817,8 @@ std::string bindings(const Uses& uses) {
     buffer("DMVV_BIND_GROUPS", "Groups", "GroupRecord", "groups");
     buffer("DMVV_BIND_OBJECTS", "Objects", "uint", "objects");
   }
+  if (uses.tapes) buffer("DMVV_BIND_TAPE_CELLS", "TapeCells", "uint", "tape_cells");
+  if (uses.tapes) buffer("DMVV_BIND_TAPES", "Tapes", "uvec2", "tapes");
   if (uses.time) buffer("DMVV_BIND_TIME", "TimeValues", "float", "time_values");
   if (uses.walker || uses.region_colors) buffer("DMVV_BIND_REGIONS", "Regions", "RegionRecord", "regions");
   return text;

@@ -6,6 +6,7 @@
 
 #include "compiler/compile.h"
 #include "compiler/flatten.h"
+#include "compiler/tapes.h"
 
 namespace dmvv::compiler {
 
@@ -16,6 +17,7 @@ struct Uses {
   bool walker = false;      ///< nodes, sdfs, regions, groups, objects
   bool placements = false;
   bool lists = false;       ///< cells and lists
+  bool tapes = false;       ///< tapes and their cells
   bool time = false;        ///< what depends on time alone
   bool region_colors = false;  ///< regions, for their colours
 };
@@ -25,6 +27,7 @@ struct GlslOptions {
   std::uint32_t inlined_line_budget = 1000;
   bool fold_affine = true;  ///< write identities, translations and scalings as such
   bool box_tests = true;    ///< leave out box tests that the standard cube already answers
+  const Tapes* tapes = nullptr;  ///< functions that are tapes; none: all are written out
 };
 
 /// The evaluation of a module: `void evaluate(vec3 p)` and `vec4 color_of(uint region, vec3 p)` with what they call.

@@ -1,6 +1,7 @@
 #include "compiler/inventory.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cassert>
@@ -108,6 +109,18 @@ std::string left_out_tests(const Module& module) {
     left_out += cube_maps_into(sdf.local_from_object.front(), local_box(sdf, module)) ? 1 : 0;
   }
   return all == 0 ? "nothing to do" : fmt::format("{} of {} box tests are left out", left_out, all);
+}
+
+std::string tapes_found(const Program& program) {
+  const std::vector<std::string>& tapes = program.statistics.tapes;
+  return tapes.empty() ? "nothing to do" : fmt::format("{}", fmt::join(tapes, "; "));
+}
+
+std::string cells_found(const Program& program) {
+  const auto cells = std::ranges::find(program.buffers, "tape_cells", &Buffer::name);
+  const auto words = std::ranges::find(program.buffers, "tapes", &Buffer::name);
+  if (cells == program.buffers.end()) return "nothing to do";
+  return fmt::format("{} cells, {} bytes of tapes", cells->count, words->bytes.size());
 }
 
 /// run_passes, with what each did; those that the generator carries out are described from the module that it gets.
@@ -244,6 +257,10 @@ std::optional<Inventory> take_inventory(Module module, const CompileOptions& opt
   auto program = compile(std::move(module), options, diagnostics);
   if (!program) return std::nullopt;
   result.program = std::move(*program);
+  for (PassEffect& effect : result.passes) {
+    if (effect.pass == "tapes" && effect.effect != "off") effect.effect = tapes_found(result.program);
+    if (effect.pass == "shorten-tapes" && effect.effect != "off") effect.effect = cells_found(result.program);
+  }
   result.objects = std::move(stock.objects);
   for (std::size_t i = 0; i < result.objects.size(); ++i) {
     ObjectInventory& object = result.objects[i];

@@ -100,6 +100,7 @@ struct Statistics {
   std::uint32_t glsl_lines = 0;
   std::uint32_t inlined_lines = 0;  ///< estimate of the kernel after inlining
   std::vector<std::string> object_codegen;  ///< "ORANGE: specialised", ... with the reason where it was cut
+  std::vector<std::string> tapes;           ///< "SKIN: 8123 steps; ...": what became of each large snippet
 };
 
 /// A snippet's share of the buffer `time_values`: values [first, first + snippet.time_value_count()).

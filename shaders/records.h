@@ -25,6 +25,8 @@ using uvec4 = glm::uvec4;
 #define DMVV_BIND_LISTS 8
 #define DMVV_BIND_OBJECTS 9
 #define DMVV_BIND_TIME 10  // float[]: what depends on time alone, computed on the CPU for each frame
+#define DMVV_BIND_TAPE_CELLS 14  // uint[]: a cell's side if it is known, else its tape
+#define DMVV_BIND_TAPES 15       // uvec2[]: for each tape (instructions, 0), then its instructions (compiler/snippet/tape.h)
 
 // ---- bindings of descriptor set 1 ----
 // kernel `points`
@@ -59,6 +61,14 @@ using uvec4 = glm::uvec4;
 
 // The high bit of a node reference says that it names a region.
 #define DMVV_REGION_BIT 0x80000000u
+
+// What a cell of a snippet holds: a known side, or the place of a tape in `tapes`. The tapes at these places are empty.
+#define DMVV_TAPE_POSITIVE 0u
+#define DMVV_TAPE_NEGATIVE 1u
+
+// Registers of a tape: p.x, p.y, p.z, the constant of the instruction, and others.
+#define DMVV_TAPE_CONSTANT 3u
+#define DMVV_TAPE_FIRST_FREE 4u
 
 #define DMVV_NO_FUNCTION 0xffffffffu
 #define DMVV_NO_REGION 0xffffffffu

@@ -130,12 +130,12 @@ bool has_device_function(Op op) {
   return std::ranges::any_of(functions, [op](const DeviceFunction& function) { return function.op == op; });
 }
 
-std::string device_functions(const Program& program, std::string_view prefix) {
+std::string device_functions(std::span<const Instruction> instructions, std::string_view prefix) {
   std::string text;
   std::string_view there;  // what the last one needed: those that share it stand together
   for (const DeviceFunction& function : functions) {
     const auto calls = [&](const Instruction& instruction) { return instruction.op == function.op; };
-    if (std::ranges::none_of(program.instructions, calls)) continue;
+    if (std::ranges::none_of(instructions, calls)) continue;
     if (function.needs != there) append(text, function.needs, prefix);
     there = function.needs;
     append(text, function.text, prefix);

@@ -17,6 +17,7 @@
 
 #include "compiler/generate_glsl.h"
 #include "compiler/snippet/device_functions.h"
+#include "compiler/snippet/emit_glsl.h"
 #include "compiler/snippet/snippet.h"
 #include "compiler/snippet/time_values.h"
 
@@ -202,7 +203,8 @@ Form form_of(Op op) {
 
     case Op::i_rem:
       return {"$0 - $0 / $1 * $1", sum};  // % of negative operands is open in GLSL
-    case Op::i_mod:
+    case Op::i_mod:  // likewise; the quotient rounded down
+      return {"$0 - ($0 / $1 - int(($0 ^ $1) < 0 && $0 / $1 * $1 != $0)) * $1", sum};
     case Op::u_mod:
       return {"$0 % $1", product};
     case Op::i_shr:
@@ -242,20 +244,6 @@ Form form_of(Op op) {
       return {"!$0", unary};
   }
   return {"", primary};
-}
-
-std::string_view type_name(Type type) {
-  switch (type) {
-    case Type::real:
-      return "float";
-    case Type::integer:
-      return "int";
-    case Type::unsigned_integer:
-      return "uint";
-    case Type::boolean:
-      return "bool";
-  }
-  return "";
 }
 
 std::string literal(const Constant& constant) {
@@ -308,6 +296,30 @@ void nest(Sequence& sequence, int depth) {
     nest(node.other, depth + 1);
     return sequence.resize(i + 1);
   }
+}
+
+/// A pattern with everything in its place; `result` is the name of $r, and $x that of the result not wanted.
+std::string filled(std::string_view pattern, const std::array<std::string, 3>& operands, std::string_view function_prefix,
+                   std::string_view result) {
+  std::string text;
+  for (std::size_t i = 0; i < pattern.size(); ++i) {
+    if (pattern[i] == '@') {
+      text += function_prefix;
+      continue;
+    }
+    if (pattern[i] != '$') {
+      text += pattern[i];
+      continue;
+    }
+    const char which = pattern[++i];
+    if (which == 'r' || which == 'x') {
+      text += result;
+      if (which == 'x') text += "_x";
+    } else {
+      text += operands[static_cast<std::size_t>(which - '0')];
+    }
+  }
+  return text;
 }
 
 class Emitter {
@@ -420,20 +432,8 @@ class Emitter {
   void declare_time_values(std::size_t first) {
     for (std::size_t k = 0; k < hoisted_.size(); ++k) {
       const std::size_t slot = first + hoisted_[k].first_slot;
-      switch (hoisted_[k].type) {
-        case Type::real:
-          line("float t{} = time_values[{}];", k, slot);
-          break;
-        case Type::boolean:
-          line("bool t{} = time_values[{}] != 0.0;", k, slot);
-          break;
-        case Type::integer:
-          line("int t{} = int(time_values[{}]) * 65536 + int(time_values[{}]);", k, slot, slot + 1);
-          break;
-        case Type::unsigned_integer:
-          line("uint t{} = uint(time_values[{}]) * 65536u + uint(time_values[{}]);", k, slot, slot + 1);
-          break;
-      }
+      const Type type = hoisted_[k].type;
+      line("{} t{} = {};", type_name(type), k, time_value_text(type, fmt::format("{}", slot), fmt::format("{}", slot + 1)));
     }
   }
 
@@ -526,28 +526,8 @@ class Emitter {
       operands[k] = wrapped(part, form.rank == primary ? loosest : form.rank == unary ? primary : infix);
       made.reads.insert(made.reads.end(), part.reads.begin(), part.reads.end());
     }
-    made.text = filled(form.pattern, operands, instruction.result);
+    made.text = filled(form.pattern, operands, function_prefix_, named(instruction.result).text);
     return made;
-  }
-
-  std::string filled(std::string_view pattern, const std::array<std::string, 3>& operands, Register result) const {
-    std::string text;
-    for (std::size_t i = 0; i < pattern.size(); ++i) {
-      if (pattern[i] == '@') {
-        text += function_prefix_;
-        continue;
-      }
-      if (pattern[i] != '$') {
-        text += pattern[i];
-        continue;
-      }
-      const char which = pattern[++i];
-      if (which == 'r' || which == 'x')
-        text += named(result).text + (which == 'x' ? "_x" : "");
-      else
-        text += operands[static_cast<std::size_t>(which - '0')];
-    }
-    return text;
   }
 
   /// An element of an array; an index that is not known to lie inside is clamped.
@@ -747,11 +727,46 @@ std::string schedule_text(const TimeSplit& split) {
 
 }  // namespace
 
+std::string operation_text(Op op, const std::array<std::string, 3>& operands, std::string_view function_prefix) {
+  const std::string_view pattern = form_of(op).pattern;
+  const bool takes_statements =
+      pattern.empty() || pattern.find("$r") != std::string_view::npos || pattern.find("$x") != std::string_view::npos;
+  return takes_statements ? std::string() : filled(pattern, operands, function_prefix, "");
+}
+
+std::string time_value_text(Type type, std::string_view slot, std::string_view next_slot) {
+  switch (type) {
+    case Type::real:
+      return fmt::format("time_values[{}]", slot);
+    case Type::boolean:
+      return fmt::format("time_values[{}] != 0.0", slot);
+    case Type::integer:
+      return fmt::format("int(time_values[{}]) * 65536 + int(time_values[{}])", slot, next_slot);
+    case Type::unsigned_integer:
+      return fmt::format("uint(time_values[{}]) * 65536u + uint(time_values[{}])", slot, next_slot);
+  }
+  return "";
+}
+
+std::string_view type_name(Type type) {
+  switch (type) {
+    case Type::real:
+      return "float";
+    case Type::integer:
+      return "int";
+    case Type::unsigned_integer:
+      return "uint";
+    case Type::boolean:
+      return "bool";
+  }
+  return "";
+}
+
 std::string Snippet::glsl(std::string_view name, std::size_t first_time_value) const {
   const TimeSplit& split = time_split();
   const std::string prefix = fmt::format("{}_", name);
   Emitter emitter(split.residual, split.hoisted, {&split.residual.result, 1}, prefix, "  ");
-  std::string text = device_functions(split.residual, prefix) + fmt::format("float {}(vec3 p) {{\n", name);
+  std::string text = device_functions(split.residual.instructions, prefix) + fmt::format("float {}(vec3 p) {{\n", name);
   if (!split.slots.empty()) text += schedule_text(split);
   text += emitter.statements(first_time_value);
   return text + fmt::format("  return {};\n}}\n", emitter.result(split.residual.result));

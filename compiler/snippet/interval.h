@@ -73,21 +73,22 @@ constexpr DeviceError device_error(Op op) {
   }
 }
 
-/// std::fmin, fmax and nextafter for what intervals hold, without a call: NaN is passed over.
-inline double lesser(double a, double b) { return b < a || a != a ? b : a; }
-inline double greater(double a, double b) { return b > a || a != a ? b : a; }
-/// The next double; not of 0.
-inline double next_below(double x) {
-  if (x == -std::numeric_limits<double>::infinity()) return x;
-  return std::bit_cast<double>(std::bit_cast<std::int64_t>(x) + (x > 0.0 ? -1 : 1));
+/// As std::fmin, std::fmax and std::nextafter towards an infinity, but for signs of zeros: those are calls of a library, and
+/// intervals of large snippets consist of little else.
+inline double smaller(double a, double b) { return a < b || b != b ? a : b; }
+inline double larger(double a, double b) { return a > b || b != b ? a : b; }
+inline double next_up(double x) {
+  if (!(x < std::numeric_limits<double>::infinity())) return x;
+  const auto bits = std::bit_cast<std::int64_t>(x + 0.0);  // of -0: those of 0
+  return std::bit_cast<double>(x < 0.0 ? bits - 1 : bits + 1);
 }
-inline double next_above(double x) { return -next_below(-x); }
+inline double next_down(double x) { return -next_up(-x); }
 
 inline constexpr Interval unknown_interval{-std::numeric_limits<double>::infinity(),
                                            std::numeric_limits<double>::infinity(), true};
 
 inline Interval hull(const Interval& a, const Interval& b) {
-  return {lesser(a.lo, b.lo), greater(a.hi, b.hi), a.maybe_nan || b.maybe_nan};
+  return {smaller(a.lo, b.lo), larger(a.hi, b.hi), a.maybe_nan || b.maybe_nan};
 }
 
 template <Rounding rounding>
@@ -106,8 +107,8 @@ struct IntervalDomain : IntegerIntervalOps {
   // ---- rounding ----
 
   /// Zero is the exact zero: sums vanish only exactly, products see to underflow themselves.
-  static double down(double x) { return x == 0.0 ? 0.0 : next_below(x); }
-  static double up(double x) { return x == 0.0 ? 0.0 : next_above(x); }
+  static double down(double x) { return x == 0.0 ? 0.0 : next_down(x); }
+  static double up(double x) { return x == 0.0 ? 0.0 : next_up(x); }
   static Interval outward(double lo, double hi, bool nan) { return {down(lo), up(hi), nan}; }
   /// For the standard library's functions.
   static Interval margin(double lo, double hi, bool nan) {
@@ -122,12 +123,12 @@ struct IntervalDomain : IntegerIntervalOps {
       return std::isinf(x) ? 0.0 : error.relative * std::abs(x) + error.absolute + denormal;
     };
     Interval out = outward(exact.lo - size(exact.lo), exact.hi + size(exact.hi), exact.maybe_nan);
-    if (error.absolute == 0.0 && exact.lo >= 0.0) out.lo = greater(out.lo, 0.0);
-    if (error.absolute == 0.0 && exact.hi <= 0.0) out.hi = lesser(out.hi, 0.0);
+    if (error.absolute == 0.0 && exact.lo >= 0.0) out.lo = larger(out.lo, 0.0);
+    if (error.absolute == 0.0 && exact.hi <= 0.0) out.hi = smaller(out.hi, 0.0);
     if (out.hi > largest) out.hi = infinity;
     if (out.lo < -largest) out.lo = -infinity;
-    out.lo = lesser(out.lo, largest);
-    out.hi = greater(out.hi, -largest);
+    out.lo = smaller(out.lo, largest);
+    out.hi = larger(out.hi, -largest);
     return out;
   }
   template <Op op>
@@ -145,11 +146,11 @@ struct IntervalDomain : IntegerIntervalOps {
   static bool nan(R a, R b) { return a.maybe_nan || b.maybe_nan; }
   static bool infinite(R a) { return std::isinf(a.lo) || std::isinf(a.hi); }
   static bool contains(R a, double x) { return a.lo <= x && x <= a.hi; }
-  static double size(R a) { return greater(std::abs(a.lo), std::abs(a.hi)); }
-  static double least(R a) { return contains(a, 0.0) ? 0.0 : lesser(std::abs(a.lo), std::abs(a.hi)); }
+  static double size(R a) { return larger(std::abs(a.lo), std::abs(a.hi)); }
+  static double least(R a) { return contains(a, 0.0) ? 0.0 : smaller(std::abs(a.lo), std::abs(a.hi)); }
   static Interval whole(bool nan) { return {-infinity, infinity, nan}; }
   static Interval intersect(R a, R b) {
-    return {greater(a.lo, b.lo), lesser(a.hi, b.hi), a.maybe_nan && b.maybe_nan};
+    return {larger(a.lo, b.lo), smaller(a.hi, b.hi), a.maybe_nan && b.maybe_nan};
   }
   /// f is monotonic and never decreases.
   template <class Function>
@@ -207,7 +208,7 @@ struct IntervalDomain : IntegerIntervalOps {
     const Interval composed = f_sub(a, f_mul(b, f_floor(quotient)));
     if (infinite(a) || infinite(b) || infinite(quotient) || infinite(composed)) return composed;
     const double error = remainder_error(a, b);
-    const Interval range{lesser(b.lo, 0.0) - error, greater(b.hi, 0.0) + error, true};
+    const Interval range{smaller(b.lo, 0.0) - error, larger(b.hi, 0.0) + error, true};
     return intersect(composed, range);
   }
   static Interval f_rem(R a, R b) {
@@ -221,9 +222,9 @@ struct IntervalDomain : IntegerIntervalOps {
 
   /// A NaN may be dropped for the other operand, or kept.
   static Interval f_min(R a, R b) {
-    Interval out{lesser(a.lo, b.lo), lesser(a.hi, b.hi), nan(a, b)};
-    if (a.maybe_nan) out.hi = greater(out.hi, b.hi);
-    if (b.maybe_nan) out.hi = greater(out.hi, a.hi);
+    Interval out{smaller(a.lo, b.lo), smaller(a.hi, b.hi), nan(a, b)};
+    if (a.maybe_nan) out.hi = larger(out.hi, b.hi);
+    if (b.maybe_nan) out.hi = larger(out.hi, a.hi);
     return out;
   }
   static Interval f_max(R a, R b) { return f_neg(f_min(f_neg(a), f_neg(b))); }
@@ -251,7 +252,7 @@ struct IntervalDomain : IntegerIntervalOps {
     if (!(error < 1e30)) return whole(true);                                // products may overflow
     const Interval composed = f_add(f_mul(a, f_sub({1.0, 1.0}, c)), f_mul(b, c));
     const Interval between = hull(a, b);
-    const double beyond = greater(0.0, greater(-c.lo, c.hi - 1.0)) * (size(a) + size(b)) + error;
+    const double beyond = larger(0.0, larger(-c.lo, c.hi - 1.0)) * (size(a) + size(b)) + error;
     return intersect({composed.lo - error, composed.hi + error, composed.maybe_nan},
                      {between.lo - beyond, between.hi + beyond, true});
   }
@@ -261,7 +262,7 @@ struct IntervalDomain : IntegerIntervalOps {
     const auto polynomial = [](double v) { return v * v * (3.0 - 2.0 * v); };
     const Interval exact{polynomial(s.lo) - 8 * epsilon, polynomial(s.hi) + 8 * epsilon, s.maybe_nan};
     Interval out = finish<Op::f_smoothstep>(exact);
-    out.lo = greater(out.lo, 0.0);
+    out.lo = larger(out.lo, 0.0);
     return out;
   }
 
@@ -269,7 +270,7 @@ struct IntervalDomain : IntegerIntervalOps {
   static Interval f_sqrt(R a) {
     const bool negative = a.lo < 0.0;
     return finish<Op::f_sqrt>(
-        outward(std::sqrt(greater(a.lo, 0.0)), std::sqrt(greater(a.hi, 0.0)), a.maybe_nan || negative));
+        outward(std::sqrt(larger(a.lo, 0.0)), std::sqrt(larger(a.hi, 0.0)), a.maybe_nan || negative));
   }
   static Interval f_inversesqrt(R a) {
     if (a.lo <= 0.0) {  // the root of -0 is -0: its inverse may be -inf
@@ -282,9 +283,9 @@ struct IntervalDomain : IntegerIntervalOps {
   /// V: 3 + 2|x| ulp.
   static Interval exponential(R a, double (*f)(double)) {
     Interval exact = rising(a, f);
-    exact.lo = greater(exact.lo, 0.0);
-    exact.hi = greater(exact.hi, std::numeric_limits<double>::denorm_min());
-    const double bounded = lesser(size(a), 1e3);  // beyond, the results are 0 and infinity
+    exact.lo = larger(exact.lo, 0.0);
+    exact.hi = larger(exact.hi, std::numeric_limits<double>::denorm_min());
+    const double bounded = smaller(size(a), 1e3);  // beyond, the results are 0 and infinity
     return widen(exact, {(3.0 + 2.0 * bounded) * 0x1p-23, 0.0});
   }
   static Interval f_exp(R a) {
@@ -311,17 +312,17 @@ struct IntervalDomain : IntegerIntervalOps {
   /// As exp2(b * log2(a)): 0^0, inf^0 and 1^inf may be NaN, negative numbers are.
   static Interval f_pow(R a, R b) {
     if (a.lo < 0.0 || (a.lo == 0.0 && b.lo <= 0.0) || infinite(b)) return whole(true);
-    const double a_hi = float32 ? greater(a.hi, denormal) : a.hi;  // as for logarithms
+    const double a_hi = float32 ? larger(a.hi, denormal) : a.hi;  // as for logarithms
     const auto [lo, hi] =
         std::minmax({std::pow(a.lo, b.lo), std::pow(a.lo, b.hi), std::pow(a_hi, b.lo), std::pow(a_hi, b.hi)});
     const bool maybe = nan(a, b) || (std::isinf(a.hi) && contains(b, 0.0));
     Interval exact = margin(lo, hi, maybe);
-    exact.lo = greater(exact.lo, 0.0);
-    exact.hi = greater(exact.hi, std::numeric_limits<double>::denorm_min());
+    exact.lo = larger(exact.lo, 0.0);
+    exact.hi = larger(exact.hi, std::numeric_limits<double>::denorm_min());
     const auto exponent = [](double x) {
-      return x > 0.0 && std::isfinite(x) ? lesser(std::abs(std::log2(x)), 1e3) : 200.0;
+      return x > 0.0 && std::isfinite(x) ? smaller(std::abs(std::log2(x)), 1e3) : 200.0;
     };
-    const double most = greater(exponent(lo), exponent(hi));
+    const double most = larger(exponent(lo), exponent(hi));
     // V: exp2's 3 + 2|x| ulp, and what the rounded log2 and product add to its argument.
     const double argument_error = size(b) * 0x1p-21 + 4.0 * most * 0x1p-23;
     if (!(argument_error < 0.5)) return widen({0.0, infinity, maybe}, {0.0, 0.0});
@@ -342,10 +343,10 @@ struct IntervalDomain : IntegerIntervalOps {
     }
     const double x = f(a.lo), y = f(a.hi);
     const bool far = size(a) > 1e15 || a.hi - a.lo >= 2 * pi;
-    Interval exact = margin(far || hits(a, minimum, 2 * pi) ? -1.0 : lesser(x, y),
-                            far || hits(a, maximum, 2 * pi) ? 1.0 : greater(x, y), a.maybe_nan);
-    exact.lo = greater(exact.lo, -1.0);
-    exact.hi = lesser(exact.hi, 1.0);
+    Interval exact = margin(far || hits(a, minimum, 2 * pi) ? -1.0 : smaller(x, y),
+                            far || hits(a, maximum, 2 * pi) ? 1.0 : larger(x, y), a.maybe_nan);
+    exact.lo = larger(exact.lo, -1.0);
+    exact.hi = smaller(exact.hi, 1.0);
     DeviceError error = device_error(Op::f_sin);
     error.absolute += 0x1p-24 * size(a);  // of an argument scaled by 1 / 2 pi
     return widen(exact, error);
@@ -363,7 +364,7 @@ struct IntervalDomain : IntegerIntervalOps {
     if (infinite(a) || size(a) > 1e7 || a.hi - a.lo >= pi || hits(a, pi / 2, pi)) return whole(nan(a) || infinite(a));
     const Interval exact = rising(a, [](double x) { return std::tan(x); });
     const double error = float32 ? 0x1p-20 + 0x1p-23 * size(a) : 0.0;
-    const double steepest = 1.0 + greater(exact.lo * exact.lo, exact.hi * exact.hi);
+    const double steepest = 1.0 + larger(exact.lo * exact.lo, exact.hi * exact.hi);
     if (error * steepest > 0.05) return whole(nan(a));
     return widen(exact, {0x1p-22, 2.0 * error * steepest});
   }
@@ -393,7 +394,7 @@ struct IntervalDomain : IntegerIntervalOps {
 
   // ---- hyperbolic: made of exp and log ----
   static Interval hyperbolic(const Interval& exact, R a) {
-    const double bounded = lesser(size(a), 1e3);
+    const double bounded = smaller(size(a), 1e3);
     Interval out = widen(exact, {(8.0 + 4.0 * bounded) * 0x1p-23, 8 * 0x1p-23});
     if (float32 && out.hi > largest / 4) out.hi = infinity;  // exp overflows before its half does
     if (float32 && out.lo < -largest / 4) out.lo = -infinity;
@@ -414,7 +415,7 @@ struct IntervalDomain : IntegerIntervalOps {
     return float32 && size(a) > 1e18 ? whole(nan(a)) : finish<Op::f_asinh>(exact);  // the square overflows
   }
   static Interval f_acosh(R a) {
-    const Interval inside{greater(a.lo, 1.0), greater(a.hi, 1.0), a.maybe_nan || a.lo < 1.0};
+    const Interval inside{larger(a.lo, 1.0), larger(a.hi, 1.0), a.maybe_nan || a.lo < 1.0};
     const Interval exact = rising(inside, [](double x) { return std::acosh(x); });
     return float32 && size(a) > 1e18 ? whole(true) : finish<Op::f_acosh>(exact);
   }

@@ -73,6 +73,8 @@ void execute(const Instruction& instruction, Cell<Domain>* cells) {
   }
 }
 
+inline bool is_copy(Op op) { return op >= Op::f_copy && op <= Op::b_copy; }
+inline bool is_choice(Op op) { return op >= Op::f_select && op <= Op::b_select; }
 inline bool is_load(Op op) { return op >= Op::f_load && op <= Op::b_load; }
 inline bool is_store(Op op) { return op >= Op::f_store && op <= Op::b_store; }
 

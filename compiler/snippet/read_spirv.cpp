@@ -376,8 +376,17 @@ using Words = std::vector<std::uint32_t>;
 /// Inlines calls, merges returns and turns variables into values. No pass that folds constants: it would round in
 /// float32 what is to be computed in double (a division by 1000 would become a product with 0.001f), and none that
 /// removes dead code: with it would go loops that never end, which the author is to hear of.
-Result<Words> optimize(std::span<const std::uint32_t> spirv, std::vector<spvtools::Optimizer::PassToken> passes) {
+///
+/// The SPIR-V is checked first where it comes from outside; without names in the messages: they are made for every id,
+/// whether there is a message or not.
+Result<Words> optimize(std::span<const std::uint32_t> spirv, bool is_checked,
+                       std::vector<spvtools::Optimizer::PassToken> passes) {
   std::string log;
+  spvtools::ValidatorOptions validation;
+  validation.SetFriendlyNames(false);
+  spvtools::OptimizerOptions options;
+  options.set_validator_options(validation);
+  options.set_run_validator(!is_checked);
   spvtools::Optimizer optimizer(SPV_ENV_VULKAN_1_2);
   optimizer.SetMessageConsumer(
       [&log](spv_message_level_t level, const char*, const spv_position_t&, const char* message) {
@@ -385,7 +394,7 @@ Result<Words> optimize(std::span<const std::uint32_t> spirv, std::vector<spvtool
       });
   for (auto& pass : passes) optimizer.RegisterPass(std::move(pass));
   Words out;
-  if (!optimizer.Run(spirv.data(), spirv.size(), &out)) {
+  if (!optimizer.Run(spirv.data(), spirv.size(), &out, options)) {
     return fail(Fault::input, "SPIRV-Tools refuses the SPIR-V", {log});
   }
   return out;
@@ -415,12 +424,13 @@ Words without_unused_chains(const Words& words) {
 
 Result<Words> prepare(std::span<const std::uint32_t> spirv) {
   const auto inlined = optimize(
-      spirv, list(spvtools::CreateMergeReturnPass(), spvtools::CreateInlineExhaustivePass(),
+      spirv, false,
+      list(spvtools::CreateMergeReturnPass(), spvtools::CreateInlineExhaustivePass(),
                   spvtools::CreateEliminateDeadFunctionsPass(), spvtools::CreatePrivateToLocalPass(),
                   spvtools::CreateScalarReplacementPass(0), spvtools::CreateLocalAccessChainConvertPass(),
                   spvtools::CreateLocalSingleBlockLoadStoreElimPass(), spvtools::CreateLocalSingleStoreElimPass()));
   if (!inlined) return inlined;
-  return optimize(without_unused_chains(*inlined), list(spvtools::CreateSSARewritePass()));
+  return optimize(without_unused_chains(*inlined), true, list(spvtools::CreateSSARewritePass()));
 }
 
 }  // namespace

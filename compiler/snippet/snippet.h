@@ -91,9 +91,11 @@ class Snippet {
   /// FIRST.
   std::string glsl(std::string_view name, std::size_t first_time_value) const;
 
+  /// The program in two parts (time_values.h).
+  const TimeSplit& time_split() const;
+
  private:
   friend class BoxFunction;
-  const TimeSplit& time_split() const;
 
   std::shared_ptr<const Program> program_;
   std::shared_ptr<const TimeSplit> split_;

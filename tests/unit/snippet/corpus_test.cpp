@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "compiler/compile.h"
+#include "corpus.h"
 #include "device_program.h"
 #include "emitted.h"
 #include "runtime/runtime.h"
@@ -18,45 +19,6 @@ using namespace dmvv::compiler::snippet;
 namespace {
 
 constexpr double times_ms[] = {1250.0, 4321.5, 3'600'000.0};
-
-struct Entry {
-  std::string name;
-  Snippet snippet;
-};
-
-voml::GlslText text_of(std::string text) { return {std::move(text), {{0, {}}}}; }
-
-/// A file is the body of a snippet; what stands before a line `// ---- body` are helper functions.
-Snippet read_entry(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::string text(std::istreambuf_iterator<char>(file), {});
-  voml::Function function;
-  constexpr std::string_view mark = "// ---- body\n";
-  if (const std::size_t at = text.find(mark); at != std::string::npos) {
-    function.helpers.push_back(text_of(text.substr(0, at)));
-    text.erase(0, at + mark.size());
-  }
-  function.body = text_of(std::move(text));
-  Diagnostics diagnostics;
-  auto compiled = compile_snippet(function, diagnostics);
-  REQUIRE_MESSAGE(compiled, path.string() << ":\n" << diagnostics.render());
-  CHECK_MESSAGE(diagnostics.render() == "", path.string());
-  return *compiled;
-}
-
-const std::vector<Entry>& corpus() {
-  static const std::vector<Entry> entries = [] {
-    std::vector<std::filesystem::path> paths;
-    for (const auto& file : std::filesystem::directory_iterator(DMVV_SOURCE_DIR "/tests/snippets")) {
-      if (file.path().extension() == ".glsl") paths.push_back(file.path());
-    }
-    std::ranges::sort(paths);
-    std::vector<Entry> made;
-    for (const auto& path : paths) made.push_back({path.stem().string(), read_entry(path)});
-    return made;
-  }();
-  return entries;
-}
 
 bool holds(const Interval& interval, double value) {
   return std::isnan(value) ? interval.maybe_nan : interval.lo <= value && value <= interval.hi;

@@ -1,0 +1,183 @@
+#include "compiler/tape_cells.h"
+
+#include <algorithm>
+#include <atomic>
+#include <functional>
+#include <future>
+#include <thread>
+#include <unordered_map>
+
+#include "shaders/records.h"
+
+namespace dmvv::compiler {
+
+namespace {
+
+using snippet::BoxValue;
+using snippet::Interval;
+using snippet::StraightLine;
+
+constexpr std::uint32_t first_line = 2;  // of the numbers in cells; those below are known sides
+constexpr std::size_t cells_a_batch = 512;
+/// The device finds a point's cell by (q + 1) * side / 2, each operation rounded: off by less than this.
+constexpr double cell_margin = 0x1p-22;
+
+/// A cell of the grid with 2^level cells a side.
+struct Cell {
+  glm::uvec3 at{0};
+  std::uint32_t level = 0;
+  std::uint32_t content = 0;  ///< as in TapeCells::cells
+};
+
+struct Refined {
+  std::uint32_t side = first_line;  ///< below first_line: it is known
+  StraightLine line;
+};
+
+std::uint64_t hash_of(const StraightLine& line) {
+  std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a, a word at a time
+  const auto add = [&](std::uint64_t word) { hash = (hash ^ word) * 0x100000001b3u; };
+  for (const snippet::Step& step : line.steps) {
+    add(static_cast<std::uint64_t>(step.kind) | static_cast<std::uint64_t>(step.type) << 8 |
+        static_cast<std::uint64_t>(step.op) << 16);
+    for (const std::uint32_t operand : step.operands) add(operand);
+  }
+  return hash ^ hash >> 29;
+}
+
+class Refiner {
+ public:
+  Refiner(std::span<const BoxValue> hoisted, const IsoRange& iso, const TapeOptions& options)
+      : hoisted_(hoisted), iso_(iso), options_(options) {}
+
+  TapeCells run(const StraightLine& whole) {
+    std::vector<Cell> open{{{}, 0, number(whole)}};
+    if (options_.shorten) open = refined(open);
+    while (options_.shorten && !open.empty() && cells_of(open.front().level + 1) <= options_.most_cells)
+      open = halved(open);
+    closed_.insert(closed_.end(), open.begin(), open.end());
+    fill_grid();
+    return std::move(out_);
+  }
+
+ private:
+  static std::uint64_t cells_of(std::uint32_t level) { return std::uint64_t{1} << 3 * level; }
+
+  const StraightLine& line(std::uint32_t content) const { return out_.lines[content - first_line]; }
+
+  /// Equal lines have one number.
+  std::uint32_t number(StraightLine line) {
+    std::vector<std::uint32_t>& known = numbers_[hash_of(line)];
+    for (const std::uint32_t n : known) {
+      if (this->line(n) == line) return n;
+    }
+    steps_ += line.steps.size();
+    out_.lines.push_back(std::move(line));
+    known.push_back(static_cast<std::uint32_t>(out_.lines.size()) - 1 + first_line);
+    return known.back();
+  }
+
+  // ---- one level ----
+
+  /// The children that are still open. Cells for which a budget does not suffice are closed as they are.
+  std::vector<Cell> halved(std::vector<Cell> open) {
+    std::ranges::stable_sort(open, std::ranges::greater(),
+                             [&](const Cell& cell) { return line(cell.content).steps.size(); });
+    std::vector<Cell> next;
+    for (std::size_t first = 0; first < open.size(); first += cells_a_batch) {
+      const std::span batch = std::span(open).subspan(first, std::min(cells_a_batch, open.size() - first));
+      std::vector<Cell> children;
+      std::uint64_t work = 0;
+      for (const Cell& cell : batch) {
+        work += 8 * line(cell.content).steps.size();
+        for (std::uint32_t k = 0; k < 8; ++k) {
+          children.push_back({2u * cell.at + glm::uvec3(k & 1u, k >> 1 & 1u, k >> 2), cell.level + 1, cell.content});
+        }
+      }
+      if (work_ + work > options_.most_work || steps_ > options_.most_steps) {
+        closed_.insert(closed_.end(), open.begin() + static_cast<std::ptrdiff_t>(first), open.end());
+        break;
+      }
+      work_ += work;
+      const std::vector<Cell> left = refined(children);
+      next.insert(next.end(), left.begin(), left.end());
+    }
+    return next;
+  }
+
+  /// Evaluates each cell's line over the cell: closes those whose side is known, shortens the others.
+  std::vector<Cell> refined(const std::vector<Cell>& cells) {
+    std::vector<Refined> results(cells.size());
+    for_each_on_all_cores(cells.size(), [&](std::size_t i) { results[i] = refine(cells[i]); });
+    std::vector<Cell> open;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      const bool is_known = results[i].side < first_line;
+      Cell cell = cells[i];
+      cell.content = is_known ? results[i].side : number(std::move(results[i].line));
+      (is_known ? closed_ : open).push_back(cell);
+    }
+    return open;
+  }
+
+  template <class Work>
+  static void for_each_on_all_cores(std::size_t count, const Work& work) {
+    std::atomic<std::size_t> next{0};
+    const auto take = [&] {
+      for (std::size_t i; (i = next++) < count;) work(i);
+    };
+    std::vector<std::future<void>> others;
+    const std::size_t threads = std::min<std::size_t>(std::thread::hardware_concurrency(), count);
+    for (std::size_t i = 1; i < threads; ++i) others.push_back(std::async(std::launch::async, take));
+    take();
+    for (std::future<void>& other : others) other.get();
+  }
+
+  Refined refine(const Cell& cell) const {
+    thread_local std::vector<BoxValue> values;
+    const double edge = 2.0 / static_cast<double>(1u << cell.level);
+    const glm::dvec3 lo = glm::dvec3(cell.at) * edge - 1.0;
+    const StraightLine& parent = line(cell.content);
+    snippet::evaluate_steps(parent, {lo - cell_margin, lo + edge + cell_margin}, hoisted_, values);
+    const Interval& f = values.back().f;
+    if (f.lo > iso_.hi) return {DMVV_TAPE_POSITIVE, {}};  // a NaN counts as positive too
+    if (f.hi <= iso_.lo && !f.maybe_nan) return {DMVV_TAPE_NEGATIVE, {}};
+    return {first_line, snippet::shorten(parent, values)};
+  }
+
+  // ---- the grid ----
+
+  void fill_grid() {
+    std::uint32_t finest = 0;
+    for (const Cell& cell : closed_) finest = std::max(finest, cell.level);
+    const std::uint32_t side = out_.cells_a_side = 1u << finest;
+    out_.cells.resize(std::size_t{side} * side * side);
+    for (const Cell& cell : closed_) {
+      const std::uint32_t width = 1u << (finest - cell.level);
+      const glm::uvec3 first = cell.at * width;
+      for (std::uint32_t z = first.z; z < first.z + width; ++z) {
+        for (std::uint32_t y = first.y; y < first.y + width; ++y) {
+          const std::size_t row = (std::size_t{z} * side + y) * side + first.x;
+          std::fill_n(out_.cells.begin() + static_cast<std::ptrdiff_t>(row), width, cell.content);
+        }
+      }
+    }
+  }
+
+  std::span<const BoxValue> hoisted_;
+  IsoRange iso_;
+  const TapeOptions& options_;
+  TapeCells out_;
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> numbers_;
+  std::vector<Cell> closed_;
+  std::uint64_t work_ = 0;
+  std::uint64_t steps_ = 0;  ///< of all lines
+};
+
+}  // namespace
+
+TapeCells shorten_for_cells(const StraightLine& whole, std::span<const BoxValue> hoisted, const IsoRange& iso,
+                            const TapeOptions& options) {
+  return Refiner(hoisted, iso, options).run(whole);
+}
+
+}  // namespace dmvv::compiler
