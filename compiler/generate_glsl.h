@@ -51,13 +51,7 @@ Evaluation generate_evaluation(const Module& module, const Records& records, con
 /// The complete text of a kernel: version, records, bindings in use, evaluation, main.
 std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Kernel kernel);
 
-/// Whether a transform turns nothing: with `fold_affine` it is written without a matrix.
-bool is_diagonal(const Affine& affine);
-
 /// Does the image of the standard cube lie in the box, float32 rounding included? Then `box_tests` leaves its test out.
 bool cube_maps_into(const Affine& affine, const LocalBox& box);
-
-/// A float32 as a GLSL literal that reads back as the same value.
-std::string glsl_float(float value);
 
 }  // namespace dmvv::compiler

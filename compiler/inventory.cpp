@@ -8,6 +8,7 @@
 
 #include "compiler/flatten.h"
 #include "compiler/generate_glsl.h"
+#include "compiler/glsl_text.h"
 #include "compiler/passes.h"
 
 namespace dmvv::compiler {

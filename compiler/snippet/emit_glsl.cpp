@@ -15,7 +15,7 @@
 #include <set>
 #include <span>
 
-#include "compiler/generate_glsl.h"
+#include "compiler/glsl_text.h"
 #include "compiler/snippet/device_functions.h"
 #include "compiler/snippet/snippet.h"
 #include "compiler/snippet/time_values.h"
