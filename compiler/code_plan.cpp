@@ -16,6 +16,7 @@ constexpr std::uint32_t lines_of_decision = 8;
 constexpr std::uint32_t lines_of_seeded_decision = 22;
 constexpr std::uint32_t lines_of_group = 26;
 constexpr std::uint32_t lines_of_walker = 110;
+constexpr std::uint32_t most_own_lines = 8000;  // of one object that is written out at all
 constexpr std::uint32_t most_lines = 1u << 24;  // sums saturate here: shared subtrees can count exponentially
 // lavapipe ignores, in silence, conditions that stand inside more than 80 others, after inlining; lowering early exits
 // adds some.
@@ -31,8 +32,9 @@ std::uint32_t saturating_add(std::uint32_t a, std::uint64_t b) {
 
 class Planning {
  public:
-  Planning(const Module& module, const SourceSizes& sizes, Codegen codegen, std::uint32_t budget)
-      : module_(module), sizes_(sizes), codegen_(codegen), budget_(budget) {}
+  Planning(const Module& module, const SourceSizes& sizes, const std::vector<Id<Object>>& alike, Codegen codegen,
+           std::uint32_t budget)
+      : module_(module), sizes_(sizes), alike_(alike), codegen_(codegen), budget_(budget) {}
 
   CodePlan run() {
     collect_objects();
@@ -49,7 +51,13 @@ class Planning {
     for (std::size_t i = 0; i < module_.objects.size(); ++i) plan_.parts[i] = collect(module_.objects[i].root);
     for (const Region& region : module_.regions) {
       plan_.calls.emplace_back();
-      for (const CandidateGroup& group : region.groups) plan_.calls.back().push_back(called_objects(group));
+      counted_.emplace_back();
+      for (const CandidateGroup& group : region.groups) {
+        plan_.calls.back().push_back(called_objects(group));
+        std::set<Id<Object>> counted;
+        for (const Id<Object> object : plan_.calls.back().back()) counted.insert(alike_[object.index]);
+        counted_.back().emplace_back(counted.begin(), counted.end());
+      }
     }
   }
 
@@ -136,7 +144,7 @@ class Planning {
       }
       lines[i] = own_lines(i);
       for (const Id<Region> region : plan_.parts[i].regions) {
-        for (const auto& called : plan_.calls[region.index]) {
+        for (const auto& called : counted_[region.index]) {
           bool walks = false;
           for (const Id<Object> child : called) {
             if (!cut[child.index]) lines[i] = saturating_add(lines[i], lines[child.index]);
@@ -152,6 +160,7 @@ class Planning {
   void choose_cuts() {
     plan_.cut.assign(module_.objects.size(), codegen_ != Codegen::specialised);
     cut_too_deep();
+    for (std::size_t i = 0; i < plan_.cut.size(); ++i) plan_.cut[i] = plan_.cut[i] || own_lines(i) > most_own_lines;
     const std::size_t root = module_.root.index;
     while (!plan_.cut[root]) {
       const std::uint32_t now = all_inlined_lines(plan_.cut)[root];
@@ -159,10 +168,8 @@ class Planning {
       std::size_t best = root;
       std::uint32_t best_lines = now;
       for (std::size_t i = 0; i < plan_.cut.size(); ++i) {
-        if (plan_.cut[i] || i == root) continue;
-        std::vector<bool> with = plan_.cut;
-        with[i] = true;
-        const std::uint32_t then = all_inlined_lines(with)[root];
+        if (plan_.cut[i] || i == root || alike_[i].index != i) continue;
+        const std::uint32_t then = all_inlined_lines(with_cut(i))[root];
         const bool fits = then <= budget_;
         const bool best_fits = best_lines <= budget_;
         if (fits ? (!best_fits || then > best_lines) : (!best_fits && then < best_lines)) {
@@ -170,8 +177,16 @@ class Planning {
           best_lines = then;
         }
       }
-      plan_.cut[best] = true;
+      plan_.cut = with_cut(best);
+      plan_.cuts_for_size = true;
     }
+  }
+
+  /// The cuts and one more: of an object and those that share its code.
+  std::vector<bool> with_cut(std::size_t object) const {
+    std::vector<bool> cut = plan_.cut;
+    for (std::size_t i = 0; i < cut.size(); ++i) cut[i] = cut[i] || alike_[i] == alike_[object];
+    return cut;
   }
 
   /// Objects that would be nested too deeply with what they call are cut, the innermost first.
@@ -232,8 +247,10 @@ class Planning {
 
   const Module& module_;
   const SourceSizes& sizes_;
+  const std::vector<Id<Object>>& alike_;
   Codegen codegen_;
   std::uint32_t budget_;
+  std::vector<std::vector<std::vector<Id<Object>>>> counted_;  // as plan_.calls, one of each that share their code
   std::vector<bool> too_deep_;  // objects that are cut for their nesting
   CodePlan plan_;
 };
@@ -242,8 +259,9 @@ class Planning {
 
 bool CodePlan::walks() const { return std::find(cut.begin(), cut.end(), true) != cut.end(); }
 
-CodePlan plan_code(const Module& module, const SourceSizes& sizes, Codegen codegen, std::uint32_t inlined_line_budget) {
-  return Planning(module, sizes, codegen, inlined_line_budget).run();
+CodePlan plan_code(const Module& module, const SourceSizes& sizes, const std::vector<Id<Object>>& alike, Codegen codegen,
+                   std::uint32_t inlined_line_budget) {
+  return Planning(module, sizes, alike, codegen, inlined_line_budget).run();
 }
 
 }  // namespace dmvv::compiler

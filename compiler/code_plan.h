@@ -33,6 +33,7 @@ struct CodePlan {
   std::vector<std::vector<std::vector<Id<Object>>>> calls;  ///< of each region and group: the different objects
   std::vector<bool> cut;                                    ///< objects that are walked
   std::vector<bool> needed;                                 ///< objects that are called at all
+  bool cuts_for_size = false;                               ///< is an object cut because of the budget?
   std::uint32_t inlined_lines = 0;                          ///< estimate of the evaluation after inlining
   std::vector<std::string> object_codegen;                  ///< a line an object: which form it got, and why
 
@@ -42,7 +43,9 @@ struct CodePlan {
 /// Cuts as little as meets the budget of inlined lines: among the cuts that suffice the one that keeps most specialised
 /// code, else the one that saves most, and so on; at last the root. Objects that would nest too many conditions are cut
 /// in any case, and all of them for a form that is not specialised.
+/// `alike`: of each object the one whose code it shares where both are candidates of a group (else itself).
 /// Cost: objects squared, times cuts.
-CodePlan plan_code(const Module& module, const SourceSizes& sizes, Codegen codegen, std::uint32_t inlined_line_budget);
+CodePlan plan_code(const Module& module, const SourceSizes& sizes, const std::vector<Id<Object>>& alike, Codegen codegen,
+                   std::uint32_t inlined_line_budget);
 
 }  // namespace dmvv::compiler

@@ -47,6 +47,21 @@ void add_buffers(Program& program, const Records& records, const Uses& uses) {
   if (uses.walker) add_buffer(program, "objects", DMVV_BIND_OBJECTS, records.objects);
 }
 
+/// Tells the placements of candidates where their objects' parameters are.
+void name_united(Records& records, const Module& module, const std::map<Id<Object>, std::uint32_t>& united) {
+  if (united.empty()) return;
+  std::size_t group_record = 0;
+  for (const Region& region : module.regions) {
+    for (const CandidateGroup& group : region.groups) {
+      const std::size_t first = records.groups[group_record++].first_placement;
+      for (std::size_t i = 0; i < group.candidates.size(); ++i) {
+        const auto known = united.find(group.candidates[i].object);
+        if (known != united.end()) records.placements[first + i].united = known->second;
+      }
+    }
+  }
+}
+
 bool check_buffers(const Program& program, std::uint64_t limit, Diagnostics& diagnostics) {
   for (const Buffer& buffer : program.buffers) {
     if (buffer.bytes.size() <= limit) continue;
@@ -86,6 +101,7 @@ const std::vector<PassInfo>& pass_names() {
       {"drop-unreachable", "what no path from the root reaches is left out"},
       {"index", "seeds and candidates are found through lookup grids"},
       {"fold-affine", "identities, translations and scalings are written as such"},
+      {"unite-shapes", "objects of a group that are equal but for their numbers share one function"},
       {"box-tests", "box tests that the standard cube already answers are left out"},
   };
   return passes;
@@ -129,12 +145,13 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   auto bitmap_atlas = pack_bitmaps(module.bitmaps, options.max_extent_3d, diagnostics);
   if (!grid_atlas || !bitmap_atlas) return std::nullopt;
   if (thesis && !fits_thesis(module, diagnostics)) return std::nullopt;
-  const Records records = thesis ? flatten_thesis(module, *grid_atlas, *bitmap_atlas)
+  Records records = thesis ? flatten_thesis(module, *grid_atlas, *bitmap_atlas)
                                  : flatten(module, *grid_atlas, *bitmap_atlas, enabled(options, "index"));
 
   const GlslOptions glsl_options{options.codegen, options.inlined_line_budget, enabled(options, "fold-affine"),
-                                 enabled(options, "box-tests")};
+                                 enabled(options, "box-tests"), enabled(options, "unite-shapes")};
   Evaluation evaluation = generate_evaluation(module, records, *grid_atlas, glsl_options);
+  name_united(records, module, evaluation.united);
   for (const Kernel kernel : {Kernel::points, Kernel::pixels}) {
     program.glsl[static_cast<std::size_t>(kernel)] = generate_glsl(evaluation, program.depth, kernel);
   }
@@ -149,6 +166,7 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   if (evaluation.uses.grid_atlas) add_texture(program, std::move(*grid_atlas));
   if (evaluation.uses.bitmap_atlas) add_texture(program, std::move(*bitmap_atlas));
   add_buffers(program, records, evaluation.uses);
+  if (evaluation.uses.parameters) add_buffer(program, "parameters", DMVV_BIND_PARAMETERS, evaluation.parameters);
   if (evaluation.uses.time) add_buffer(program, "time_values", DMVV_BIND_TIME, time_values(program.time_functions, 0.0));
   if (!check_buffers(program, options.max_storage_buffer, diagnostics)) return std::nullopt;
   return program;

@@ -7,9 +7,11 @@
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "compiler/code_plan.h"
+#include "compiler/families.h"
 #include "compiler/glsl_text.h"
 
 namespace dmvv::compiler {
@@ -34,44 +36,86 @@ class Generator : GlslWriter {
       : module_(module), records_(records), grid_atlas_(grid_atlas), options_(options) {}
 
   Evaluation run() {
+    measure_sources();
+    find_guarded();
+    const auto plan = [&](const std::vector<Id<Object>>& alike, std::uint32_t line_budget) {
+      return plan_code(module_, sizes_, alike, options_.codegen, line_budget);
+    };
+    CodePlan chosen = plan(each_by_itself(), options_.inlined_line_budget);
+    if (options_.unite_shapes && chosen.cuts_for_size) {
+      write(plan(each_by_itself(), no_budget));  // objects of one shape count once; writing them tells which they are
+      chosen = plan(by_shape(), options_.inlined_line_budget);
+    }
+    write(std::move(chosen));
+    return finish();
+  }
+
+ private:
+  static constexpr std::uint32_t no_budget = ~0u;
+
+  /// The functions of the scene, as the plan says.
+  void write(CodePlan plan) {
+    plan_ = std::move(plan);
+    out_ = {};
     out_.codegen = options_.codegen;
     out_.filter = grid_atlas_.filter;
+    families_ = {};
+    united_names_.clear();
+    united_objects_.clear();
+    emitted_.clear();
     emit_functions();
-    sizes_.filter_lines = filter_lines();
-    plan_ = plan_code(module_, sizes_, options_.codegen, options_.inlined_line_budget);
-    find_guarded();
-    const bool any_cut = plan_.walks();
-    out_.uses.walker = any_cut;
-    if (any_cut) emit_function_switch();
+    if (plan_.walks()) use_walker();
     // Objects stand parents first; GLSL wants callees first.
     for (std::size_t i = module_.objects.size(); i-- > 0;) {
       if (plan_.needed[i] && !plan_.cut[i]) emit_object(Id<Object>{static_cast<std::uint32_t>(i)});
     }
     emit_colors();
     line("void evaluate(vec3 p) { {}; }", call(module_.root, "p", "0u"));
-    if (any_cut) {
-      out_.uses.placements = out_.uses.lists = true;
-      out_.uses.grid_atlas = out_.uses.grid_atlas || !module_.grids.empty();
+    add("evaluate");
+  }
+
+  /// What a kernel calls, and before it the root object with all that it calls.
+  std::vector<std::string> scene_functions() const {
+    std::vector<std::string> names{"color_of", "evaluate"};
+    if (!plan_.cut[module_.root.index]) names.insert(names.begin(), object_name(module_.root));
+    return names;
+  }
+
+  Evaluation finish() {
+    families_.settle();
+    out_.parameters = families_.parameters();
+    out_.uses.parameters = !out_.parameters.empty();
+    for (const auto& [object, family] : united_objects_) {
+      out_.united.emplace(object, families_.row(object_name(object)) << DMVV_FAMILY_BITS | family);
     }
-    out_.glsl = take();
+    if (plan_.walks()) out_.functions = families_.take(walker_functions());
+    out_.glsl = families_.take(scene_functions());
     out_.inlined_lines = plan_.inlined_lines;
     out_.object_codegen = std::move(plan_.object_codegen);
     return std::move(out_);
   }
 
- private:
+  /// What was written since the last time, as a function.
+  void add(const std::string& name) { families_.add(name, take()); }
+
   // ---- snippets ----
 
   std::string function_name(Id<Function> id) const { return fmt::format("function_{}", id.index); }
+
+  void measure_sources() {
+    for (const Function& function : module_.functions) {
+      sizes_.function_lines.push_back(code_lines(function.snippet.glsl("f", 0)));
+      sizes_.function_nesting = std::max(sizes_.function_nesting, function.snippet.nesting());
+    }
+    sizes_.filter_lines = filter_lines();
+  }
 
   void emit_functions() {
     std::size_t next_time_value = 0;
     for (std::uint32_t i = 0; i < module_.functions.size(); ++i) {
       const Function& function = module_.functions[i];
-      const std::string text = function.snippet.glsl(function_name({i}), next_time_value);
-      sizes_.function_lines.push_back(code_lines(text));
-      sizes_.function_nesting = std::max(sizes_.function_nesting, function.snippet.nesting());
-      out_.functions += fmt::format("// {}\n{}\n", function.name, text);
+      const std::string name = function_name({i});
+      families_.add(name, fmt::format("// {}\n{}\n", function.name, function.snippet.glsl(name, next_time_value)));
       const std::size_t values = function.snippet.time_value_count();
       if (values == 0) continue;
       out_.time_functions.push_back({function.snippet, next_time_value});
@@ -80,26 +124,40 @@ class Generator : GlslWriter {
     out_.uses.time = next_time_value != 0;
   }
 
+  void use_walker() {
+    out_.uses.walker = out_.uses.placements = out_.uses.lists = true;
+    out_.uses.grid_atlas = !module_.grids.empty();
+    if (!module_.functions.empty()) emit_function_switch();
+  }
+
+  /// What the walker calls.
+  std::vector<std::string> walker_functions() const {
+    return module_.functions.empty() ? std::vector<std::string>{} : std::vector<std::string>{"call_function"};
+  }
+
   /// The thesis' stitching: one function that the walker calls with the number of a snippet.
   void emit_function_switch() {
-    if (module_.functions.empty()) return;
-    out_.functions += "float call_function(uint function, vec3 q) {\n  float value = 0.0;\n";
-    emit_function_choice(0, static_cast<std::uint32_t>(module_.functions.size()), "  ");
-    out_.functions += "  return value;\n}\n\n";
+    open("float call_function(uint function, vec3 q)");
+    line("float value = 0.0;");
+    emit_function_choice(0, static_cast<std::uint32_t>(module_.functions.size()));
+    line("return value;");
+    close();
+    line("");
+    add("call_function");
   }
 
   /// By halves: drivers make nested conditions of a switch, as many as it has cases.
-  void emit_function_choice(std::uint32_t first, std::uint32_t end, const std::string& indentation) {
+  void emit_function_choice(std::uint32_t first, std::uint32_t end) {
     if (end - first == 1) {
-      out_.functions += fmt::format("{}value = {}(q);\n", indentation, function_name({first}));
+      line("value = {}(q);", function_name({first}));
       return;
     }
     const std::uint32_t middle = first + (end - first) / 2;
-    out_.functions += fmt::format("{}if (function < {}u) {{\n", indentation, middle);
-    emit_function_choice(first, middle, indentation + "  ");
-    out_.functions += fmt::format("{}}} else {{\n", indentation);
-    emit_function_choice(middle, end, indentation + "  ");
-    out_.functions += fmt::format("{}}}\n", indentation);
+    open(fmt::format("if (function < {}u)", middle));
+    emit_function_choice(first, middle);
+    otherwise();
+    emit_function_choice(middle, end);
+    close();
   }
 
   std::uint32_t filter_lines() const {
@@ -108,6 +166,24 @@ class Generator : GlslWriter {
   }
 
   // ---- what calls what ----
+
+  std::vector<Id<Object>> each_by_itself() const {
+    std::vector<Id<Object>> objects(module_.objects.size());
+    for (std::uint32_t i = 0; i < objects.size(); ++i) objects[i] = {i};
+    return objects;
+  }
+
+  /// Of each object the first one of its shape, among those that are written.
+  std::vector<Id<Object>> by_shape() const {
+    std::vector<Id<Object>> objects = each_by_itself();
+    std::map<std::uint32_t, Id<Object>> first;
+    for (Id<Object>& object : objects) {
+      if (families_.knows(object_name(object))) {
+        object = first.try_emplace(families_.shape(object_name(object)), object).first->second;
+      }
+    }
+    return objects;
+  }
 
   /// A group of one candidate calls its object unconditionally, with a guard: so embedding does not nest.
   void find_guarded() {
@@ -156,6 +232,7 @@ class Generator : GlslWriter {
     }
     close();
     line("");
+    add(sdf_name(id));
   }
 
   void emit_single(const Sdf& sdf) {
@@ -174,10 +251,15 @@ class Generator : GlslWriter {
     line("return {} && {};", box_test(local_box(sdf, module_), "q"), source_test(sdf, nullptr, "q"));
   }
 
+  /// Three, even if they are equal: the shape does not depend on the values.
+  static std::string components(const glm::vec4& v) {
+    return fmt::format("vec3({}, {}, {})", glsl_float(v.x), glsl_float(v.y), glsl_float(v.z));
+  }
+
   std::string find_cell(const gpu::LookupRecord& lookup, const std::string& p) {
     out_.uses.lists = true;
-    return fmt::format("find_cell({}, {}, {}, uvec3({}u, {}u, {}u), {}u)", p, vec3_literal(glm::dvec3(lookup.lo)),
-                       vec3_literal(glm::dvec3(lookup.cells_per_unit)), lookup.size_x, lookup.size_y, lookup.size_z,
+    return fmt::format("find_cell({}, {}, {}, uvec3({}u, {}u, {}u), {}u)", p, components(lookup.lo),
+                       components(lookup.cells_per_unit), lookup.size_x, lookup.size_y, lookup.size_z,
                        lookup.first_cell);
   }
 
@@ -198,13 +280,15 @@ class Generator : GlslWriter {
 
   // ---- objects ----
 
+  static std::string object_name(Id<Object> id) { return fmt::format("object_{}", id.index); }
+
   std::string call(Id<Object> object, const std::string& p, const std::string& level,
                    const std::string& guard = "true") const {
     if (plan_.cut[object.index]) {
       return fmt::format("{}walk({}u, {}, {})", guard == "true" ? "" : "if (" + guard + ") ", object.index, p, level);
     }
-    if (guarded_[object.index]) return fmt::format("object_{}({}, {}, {})", object.index, p, level, guard);
-    return fmt::format("object_{}({}, {})", object.index, p, level);
+    if (guarded_[object.index]) return fmt::format("{}({}, {}, {})", object_name(object), p, level, guard);
+    return fmt::format("{}({}, {})", object_name(object), p, level);
   }
 
   void emit_object(Id<Object> id) {
@@ -212,13 +296,14 @@ class Generator : GlslWriter {
     for (const Id<Sdf> sdf : parts.sdfs) emit_sdf(sdf);
     line("// {}", at(module_.objects, id).name);
     guard_ = guarded_[id.index] ? "entered" : "";
-    open(fmt::format("void object_{}(vec3 p, uint level{})", id.index, guard_.empty() ? "" : ", bool entered"));
+    open(fmt::format("void {}(vec3 p, uint level{})", object_name(id), guard_.empty() ? "" : ", bool entered"));
     const bool one_region = parts.regions.size() == 1;
     if (!one_region) emit_decisions(at(module_.objects, id).root, parts.has_flat_tree);
     for (const Id<Region> region : parts.regions) emit_candidates(region, one_region);
     emit_own_answer(parts.regions, one_region);
     close();
     line("");
+    add(object_name(id));
   }
 
   /// `condition` where the object's code is guarded also that it is asked; "" is no condition.
@@ -348,16 +433,14 @@ class Generator : GlslWriter {
     const bool any_tiled = std::any_of(group.candidates.begin(), group.candidates.end(),
                                        [](const Candidate& candidate) { return candidate.tiled; });
     line("uvec2 range = {};", find_cell(record.lookup, group.box_from_object ? "b" : "p"));
+    line("uint i = range.x;");
     line("uint asked = 0u;");
-    open("for (uint i = range.x; i < range.y && hit_number == 0u; ++i)");
-    line("++asked;");
-    line("uint c = lists[i];");
-    line("vec3 q = apply(placements[{} + c].local_from_object, p);", fmt::format("{}u", record.first_placement));
-    if (any_tiled) {
-      line("bool tiled = placements[{} + c].tiled != 0u;", fmt::format("{}u", record.first_placement));
-      line("if (tiled) q = wrap_cube(q);");
-    }
-    open(any_tiled ? "if (tiled || in_cube(q))" : "if (in_cube(q))");
+    open("while (i < range.y && hit_number == 0u)");
+    line("uint c = 0u;");
+    line("vec3 q = p;");
+    line("bool held = false;");
+    emit_search(record, any_tiled);
+    open("if (held)");
     emit_calls(plan_.calls[region.index][g], record);
     line("if (hit_number != 0u) came_through({}u, {}, level);", fmt::format("{}", region.index),
          group.first_number == 0 ? std::string("c") : fmt::format("{}u + c", group.first_number));
@@ -366,22 +449,86 @@ class Generator : GlslWriter {
     line("hit_unfinished = hit_unfinished || (hit_number == 0u && asked != range.y - range.x);");
   }
 
-  /// One call for each different object of the group; all objects that are cut share one walker.
+  /// To the next candidate whose cube holds the point. A loop of its own: all points search, then all that have found one
+  /// evaluate it (Aila and Laine 2009, while-while), and the evaluation's rounds are no more than a point's finds.
+  void emit_search(const gpu::GroupRecord& record, bool any_tiled) {
+    const std::string placement = fmt::format("placements[{}u + c]", record.first_placement);
+    open("for (; i < range.y && !held; ++i)");
+    line("++asked;");
+    line("c = lists[i];");
+    line("q = apply({}.local_from_object, p);", placement);
+    if (any_tiled) line("bool tiled = {}.tiled != 0u;", placement);
+    if (any_tiled) line("if (tiled) q = wrap_cube(q);");
+    line(any_tiled ? "held = tiled || in_cube(q);" : "held = in_cube(q);");
+    close();
+  }
+
+  /// One call for each different shape of the group's objects; all objects that are cut share one walker.
   void emit_calls(const std::vector<Id<Object>>& called, const gpu::GroupRecord& record) {
-    std::vector<Id<Object>> inlined, walked;
-    for (const Id<Object> object : called) (plan_.cut[object.index] ? walked : inlined).push_back(object);
-    if (inlined.size() + walked.size() == 1) {
-      line("{};", call(inlined.empty() ? walked.front() : inlined.front(), "q", "level + 1u"));
-      return;
+    const std::string placement = fmt::format("placements[{}u + c]", record.first_placement);
+    std::vector<std::pair<std::string, std::string>> calls;  // condition, and what is called then
+    std::string others;                                      // holds for no object that has a call of its own
+    const auto also = [&](const std::string& name, const std::string& number, const std::string& made) {
+      calls.emplace_back(fmt::format("{} == {}", name, number), made);
+      others += fmt::format("{}{} != {}", others.empty() ? "" : " && ", name, number);
+    };
+    bool by_object = false, by_family = false;
+    std::optional<Id<Object>> walked;
+    for (const std::vector<Id<Object>>& alike : shapes_of(called)) {
+      if (plan_.cut[alike.front().index]) {
+        walked = alike.front();
+      } else if (alike.size() == 1) {
+        by_object = true;
+        also("object", fmt::format("{}u", alike.front().index), call(alike.front(), "q", "level + 1u"));
+      } else {
+        by_family = true;
+        const std::uint32_t family = unite(alike);
+        also("family", fmt::format("{}u", family), united_call(family, alike.front()));
+      }
     }
-    line("uint object = placements[{} + c].object;", fmt::format("{}u", record.first_placement));
+    if (by_family) {
+      line("uint united = {}.united;", placement);
+      line("uint row = united >> DMVV_FAMILY_BITS;");
+    }
+    const bool choose = calls.size() + (walked ? 1u : 0u) > 1;
+    if (!choose && !calls.empty()) return line("{};", calls.front().second);
+    if (!choose && called.size() == 1) return line("{};", call(*walked, "q", "level + 1u"));
+    if (by_family) line("uint family = united & (1u << DMVV_FAMILY_BITS) - 1u;");
+    if (by_object || walked) line("uint object = {}.object;", placement);
     // One after the other, not nested in each other's else.
-    std::string none;
-    for (std::size_t i = 0; i < inlined.size(); ++i) {
-      line("if (object == {}u) {};", fmt::format("{}", inlined[i].index), call(inlined[i], "q", "level + 1u"));
-      none += fmt::format("{}object != {}u", i == 0 ? "" : " && ", inlined[i].index);
+    for (const auto& [condition, made] : calls) line("if ({}) {};", condition, made);
+    if (walked) line(others.empty() ? "walk(object, q, level + 1u);" : "if ({}) walk(object, q, level + 1u);", others);
+  }
+
+  /// Objects by shape, in the order of the first of each; those that are cut all together.
+  std::vector<std::vector<Id<Object>>> shapes_of(const std::vector<Id<Object>>& called) const {
+    std::vector<std::vector<Id<Object>>> shapes;
+    std::map<std::uint64_t, std::size_t> places;
+    for (const Id<Object> object : called) {
+      std::uint64_t shape = std::uint64_t{object.index} << 32;
+      if (plan_.cut[object.index]) shape = ~std::uint64_t{0};
+      else if (options_.unite_shapes) shape = families_.shape(object_name(object));
+      const auto [place, is_new] = places.try_emplace(shape, shapes.size());
+      if (is_new) shapes.emplace_back();
+      shapes[place->second].push_back(object);
     }
-    if (!walked.empty()) line(none.empty() ? "walk(object, q, level + 1u);" : "if ({}) walk(object, q, level + 1u);", none);
+    return shapes;
+  }
+
+  /// The number of the family that the objects belong to.
+  std::uint32_t unite(const std::vector<Id<Object>>& alike) {
+    std::vector<std::string> names;
+    for (const Id<Object> object : alike) names.push_back(object_name(object));
+    const std::string name = families_.unite(names);
+    const auto known = std::ranges::find(united_names_, name);
+    const auto family = static_cast<std::uint32_t>(known - united_names_.begin());
+    if (known == united_names_.end()) united_names_.push_back(name);
+    for (const Id<Object> object : alike) united_objects_.emplace(object, family);
+    return family;
+  }
+
+  std::string united_call(std::uint32_t family, Id<Object> member) const {
+    return fmt::format("{}(row, q, level + 1u{})", united_names_[family], guarded_[member.index] ? ", true" : "");
   }
 
   /// Nobody inside answered: the region's own colour counts, unless it is empty.
@@ -420,6 +567,7 @@ class Generator : GlslWriter {
     }
     close();
     line("");
+    add("color_of");
   }
 
   void emit_constant_colors() {
@@ -477,6 +625,9 @@ class Generator : GlslWriter {
   std::vector<bool> guarded_;  // objects whose function has a guard
   std::string guard_;          // of the function that is being written; "" if it has none
   std::set<Id<Sdf>> emitted_;
+  Families families_;
+  std::vector<std::string> united_names_;               // of each family of objects
+  std::map<Id<Object>, std::uint32_t> united_objects_;  // their families
 };
 
 }  // namespace

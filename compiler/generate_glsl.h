@@ -1,6 +1,8 @@
 // Module + records -> the text of a kernel.
 #pragma once
 
+#include <glm/vec4.hpp>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,7 @@ struct Uses {
   bool walker = false;      ///< nodes, sdfs, regions, groups, objects
   bool placements = false;
   bool lists = false;       ///< cells and lists
+  bool parameters = false;  ///< of united functions
   bool time = false;        ///< what depends on time alone
   bool region_colors = false;  ///< regions, for their colours
 };
@@ -25,6 +28,7 @@ struct GlslOptions {
   std::uint32_t inlined_line_budget = 1000;
   bool fold_affine = true;  ///< write identities, translations and scalings as such
   bool box_tests = true;    ///< leave out box tests that the standard cube already answers
+  bool unite_shapes = true;  ///< candidates' objects that are equal but for their numbers share one function
 };
 
 /// The evaluation of a module: `void evaluate(vec3 p)` and `vec4 color_of(uint region, vec3 p)` with what they call.
@@ -32,6 +36,8 @@ struct Evaluation {
   std::string functions;  ///< the snippets, and `float call_function(uint function, vec3 q)` if the walker is in use
   std::string glsl;
   std::vector<TimeFunction> time_functions;
+  std::vector<glm::uvec4> parameters;          ///< of united functions (compiler/families.h)
+  std::map<Id<Object>, std::uint32_t> united;  ///< what PlacementRecord::united says where such an object is a candidate
   Uses uses;
   std::uint32_t inlined_lines = 0;
   Codegen codegen = Codegen::specialised;

@@ -25,6 +25,7 @@ using uvec4 = glm::uvec4;
 #define DMVV_BIND_LISTS 8
 #define DMVV_BIND_OBJECTS 9
 #define DMVV_BIND_TIME 10  // float[]: what depends on time alone, computed on the CPU for each frame
+#define DMVV_BIND_PARAMETERS 11  // uvec4[]: what differs between functions of one shape
 
 // ---- bindings of descriptor set 1 ----
 // kernel `points`
@@ -52,6 +53,8 @@ using uvec4 = glm::uvec4;
 
 // The high bit of a node reference says that it names a region.
 #define DMVV_REGION_BIT 0x80000000u
+
+#define DMVV_FAMILY_BITS 10
 
 #define DMVV_NO_FUNCTION 0xffffffffu
 #define DMVV_NO_REGION 0xffffffffu
@@ -145,7 +148,7 @@ struct PlacementRecord {
   uint object;  // candidates only
   uint tiled;
   uint candidate;  // number within the region; set where a list holds placements instead of their indices (thesis)
-  uint pad0;
+  uint united;     // row of the object's parameters << DMVV_FAMILY_BITS | family (compiler/families.h); else 0
 };
 
 #ifdef __cplusplus
