@@ -16,6 +16,7 @@ constexpr std::uint32_t lines_of_decision = 8;
 constexpr std::uint32_t lines_of_seeded_decision = 22;
 constexpr std::uint32_t lines_of_group = 26;
 constexpr std::uint32_t lines_of_walker = 110;
+constexpr double surely = 1.5;  // times cheaper that walking must be expected to be
 constexpr std::uint32_t most_own_lines = 8000;  // of one object that is written out at all
 constexpr std::uint32_t most_lines = 1u << 24;  // sums saturate here: shared subtrees can count exponentially
 // lavapipe ignores, in silence, conditions that stand inside more than 80 others, after inlining; lowering early exits
@@ -32,9 +33,9 @@ std::uint32_t saturating_add(std::uint32_t a, std::uint64_t b) {
 
 class Planning {
  public:
-  Planning(const Module& module, const SourceSizes& sizes, const std::vector<Id<Object>>& alike, Codegen codegen,
-           std::uint32_t budget)
-      : module_(module), sizes_(sizes), alike_(alike), codegen_(codegen), budget_(budget) {}
+  Planning(const Module& module, const SourceSizes& sizes, const std::vector<Id<Object>>& alike,
+           const PlanOptions& options)
+      : module_(module), sizes_(sizes), alike_(alike), options_(options) {}
 
   CodePlan run() {
     collect_objects();
@@ -158,27 +159,28 @@ class Planning {
   }
 
   void choose_cuts() {
-    plan_.cut.assign(module_.objects.size(), codegen_ != Codegen::specialised);
+    const bool only_records = options_.codegen == Codegen::table || options_.codegen == Codegen::thesis;
+    plan_.cut.assign(module_.objects.size(), only_records);
+    if (options_.codegen == Codegen::automatic) cut_what_walks_cheaper();
     cut_too_deep();
     for (std::size_t i = 0; i < plan_.cut.size(); ++i) plan_.cut[i] = plan_.cut[i] || own_lines(i) > most_own_lines;
     const std::size_t root = module_.root.index;
     while (!plan_.cut[root]) {
       const std::uint32_t now = all_inlined_lines(plan_.cut)[root];
-      if (now <= budget_) break;
+      if (now <= options_.inlined_line_budget) break;
       std::size_t best = root;
       std::uint32_t best_lines = now;
       for (std::size_t i = 0; i < plan_.cut.size(); ++i) {
         if (plan_.cut[i] || i == root || alike_[i].index != i) continue;
         const std::uint32_t then = all_inlined_lines(with_cut(i))[root];
-        const bool fits = then <= budget_;
-        const bool best_fits = best_lines <= budget_;
+        const bool fits = then <= options_.inlined_line_budget;
+        const bool best_fits = best_lines <= options_.inlined_line_budget;
         if (fits ? (!best_fits || then > best_lines) : (!best_fits && then < best_lines)) {
           best = i;
           best_lines = then;
         }
       }
       plan_.cut = with_cut(best);
-      plan_.cuts_for_size = true;
     }
   }
 
@@ -187,6 +189,16 @@ class Planning {
     std::vector<bool> cut = plan_.cut;
     for (std::size_t i = 0; i < cut.size(); ++i) cut[i] = cut[i] || alike_[i] == alike_[object];
     return cut;
+  }
+
+  /// Only where the model is sure: its figures are rough, and the first walked object brings the walker along.
+  void cut_what_walks_cheaper() {
+    costs_ = expected_costs(module_, sizes_, alike_, options_.costs);
+    for (std::size_t i = 0; i < costs_.size(); ++i) plan_.cut[i] = walks_cheaper(i);
+  }
+
+  bool walks_cheaper(std::size_t object) const {
+    return !costs_.empty() && costs_[object].walked * surely < costs_[object].specialised;
   }
 
   /// Objects that would be nested too deeply with what they call are cut, the innermost first.
@@ -227,16 +239,19 @@ class Planning {
   void describe() {
     for (std::size_t i = 0; i < module_.objects.size(); ++i) {
       const std::string& name = module_.objects[i].name;
-      if (codegen_ == Codegen::table) {
+      if (options_.codegen == Codegen::table) {
         plan_.object_codegen.push_back(name + ": table");
-      } else if (codegen_ == Codegen::thesis) {
+      } else if (options_.codegen == Codegen::thesis) {
         plan_.object_codegen.push_back(name + ": thesis");
       } else if (too_deep_[i]) {
         plan_.object_codegen.push_back(
             fmt::format("{}: table, specialised code would nest more than {} conditions", name, most_nested));
+      } else if (walks_cheaper(i)) {
+        plan_.object_codegen.push_back(fmt::format("{}: table, {:.0f} ns a point expected in place of {:.0f}", name,
+                                                   costs_[i].walked, costs_[i].specialised));
       } else if (plan_.cut[i]) {
         plan_.object_codegen.push_back(
-            fmt::format("{}: table, specialised code would exceed {} lines", name, budget_));
+            fmt::format("{}: table, specialised code would exceed {} lines", name, options_.inlined_line_budget));
       } else if (plan_.needed[i]) {
         plan_.object_codegen.push_back(name + ": specialised");
       } else {
@@ -248,10 +263,10 @@ class Planning {
   const Module& module_;
   const SourceSizes& sizes_;
   const std::vector<Id<Object>>& alike_;
-  Codegen codegen_;
-  std::uint32_t budget_;
+  const PlanOptions& options_;
   std::vector<std::vector<std::vector<Id<Object>>>> counted_;  // as plan_.calls, one of each that share their code
-  std::vector<bool> too_deep_;  // objects that are cut for their nesting
+  std::vector<bool> too_deep_;      // objects that are cut for their nesting
+  std::vector<ObjectCost> costs_;   // of each object, for Codegen::automatic
   CodePlan plan_;
 };
 
@@ -259,9 +274,9 @@ class Planning {
 
 bool CodePlan::walks() const { return std::find(cut.begin(), cut.end(), true) != cut.end(); }
 
-CodePlan plan_code(const Module& module, const SourceSizes& sizes, const std::vector<Id<Object>>& alike, Codegen codegen,
-                   std::uint32_t inlined_line_budget) {
-  return Planning(module, sizes, alike, codegen, inlined_line_budget).run();
+CodePlan plan_code(const Module& module, const SourceSizes& sizes, const std::vector<Id<Object>>& alike,
+                   const PlanOptions& options) {
+  return Planning(module, sizes, alike, options).run();
 }
 
 }  // namespace dmvv::compiler

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "compiler/cost_model.h"
 #include "compiler/module.h"
 #include "compiler/program.h"
 
@@ -28,12 +29,17 @@ struct SourceSizes {
   std::uint32_t filter_lines = 0;             ///< of a grid sample beyond a texture lookup
 };
 
+struct PlanOptions {
+  Codegen codegen;
+  std::uint32_t inlined_line_budget;
+  DeviceCosts costs;  ///< for Codegen::automatic
+};
+
 struct CodePlan {
   std::vector<ObjectParts> parts;                           ///< of each object
   std::vector<std::vector<std::vector<Id<Object>>>> calls;  ///< of each region and group: the different objects
   std::vector<bool> cut;                                    ///< objects that are walked
   std::vector<bool> needed;                                 ///< objects that are called at all
-  bool cuts_for_size = false;                               ///< is an object cut because of the budget?
   std::uint32_t inlined_lines = 0;                          ///< estimate of the evaluation after inlining
   std::vector<std::string> object_codegen;                  ///< a line an object: which form it got, and why
 
@@ -42,10 +48,11 @@ struct CodePlan {
 
 /// Cuts as little as meets the budget of inlined lines: among the cuts that suffice the one that keeps most specialised
 /// code, else the one that saves most, and so on; at last the root. Objects that would nest too many conditions are cut
-/// in any case, and all of them for a form that is not specialised.
+/// in any case, and all of them for a form that is only records.
+/// Codegen::automatic cuts beforehand the objects that are expected to cost less when they are walked.
 /// `alike`: of each object the one whose code it shares where both are candidates of a group (else itself).
 /// Cost: objects squared, times cuts.
-CodePlan plan_code(const Module& module, const SourceSizes& sizes, const std::vector<Id<Object>>& alike, Codegen codegen,
-                   std::uint32_t inlined_line_budget);
+CodePlan plan_code(const Module& module, const SourceSizes& sizes, const std::vector<Id<Object>>& alike,
+                   const PlanOptions& options);
 
 }  // namespace dmvv::compiler

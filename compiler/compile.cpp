@@ -23,6 +23,11 @@ bool enabled(const CompileOptions& options, std::string_view pass) {
   return std::find(options.disabled_passes.begin(), options.disabled_passes.end(), pass) == options.disabled_passes.end();
 }
 
+/// Is the scene's own code generated at all? Else its records alone are (the thesis' way, and its lists as they are).
+bool writes_code(const CompileOptions& options) {
+  return options.codegen == Codegen::specialised || options.codegen == Codegen::automatic;
+}
+
 GridStorage grid_storage(const Module& module, const CompileOptions& options) {
   return {options.atlas_format, options.filter, texel_scales(module, options.atlas_format, options.filter)};
 }
@@ -94,12 +99,17 @@ void count(Statistics& statistics, const Module& module) {
 
 }  // namespace
 
+IndexOptions index_options(const CompileOptions& options) {
+  return {enabled(options, "index"), writes_code(options) && enabled(options, "refine-index")};
+}
+
 const std::vector<PassInfo>& pass_names() {
   static const std::vector<PassInfo> passes{
       {"merge-assets", "identical grids, bitmaps and snippets are stored once"},
       {"prune-sides", "a decision between equal sides is left out"},
       {"drop-unreachable", "what no path from the root reaches is left out"},
       {"index", "seeds and candidates are found through lookup grids"},
+      {"refine-index", "an author's lookup grid has no fewer cells than the compiler would choose"},
       {"fold-affine", "identities, translations and scalings are written as such"},
       {"unite-shapes", "objects of a group that are equal but for their numbers share one function"},
       {"box-tests", "box tests that the standard cube already answers are left out"},
@@ -146,10 +156,11 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   if (!grid_atlas || !bitmap_atlas) return std::nullopt;
   if (thesis && !fits_thesis(module, diagnostics)) return std::nullopt;
   Records records = thesis ? flatten_thesis(module, *grid_atlas, *bitmap_atlas)
-                                 : flatten(module, *grid_atlas, *bitmap_atlas, enabled(options, "index"));
+                                 : flatten(module, *grid_atlas, *bitmap_atlas, index_options(options));
 
-  const GlslOptions glsl_options{options.codegen, options.inlined_line_budget, enabled(options, "fold-affine"),
-                                 enabled(options, "box-tests"), enabled(options, "unite-shapes")};
+  const GlslOptions glsl_options{options.codegen, options.inlined_line_budget, options.costs, enabled(options, "fold-affine"),
+                                 enabled(options, "box-tests"),
+                                 writes_code(options) && enabled(options, "unite-shapes")};
   Evaluation evaluation = generate_evaluation(module, records, *grid_atlas, glsl_options);
   name_united(records, module, evaluation.united);
   for (const Kernel kernel : {Kernel::points, Kernel::pixels}) {

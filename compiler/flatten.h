@@ -47,9 +47,15 @@ Affine lookup_from_local(const voml::Grid& grid, Id<voml::Grid> id, const Atlas&
 
 gpu::AffineRows rows(const Affine& affine);
 
-/// Builds all records. With `use_index` off every lookup is one cell that lists everything.
+/// How seeds and candidates are looked up.
+struct IndexOptions {
+  bool use = true;      ///< false: every lookup is one cell that lists everything
+  bool refine = false;  ///< an author's size is no more than a wish for more cells than would be chosen
+};
+
+/// Builds all records.
 /// Cost: that of build_lookup for each list.
-Records flatten(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, bool use_index);
+Records flatten(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, IndexOptions index);
 
 /// Records as text, one a line, stable.
 std::string to_text(const Records& records);

@@ -38,15 +38,12 @@ class Generator : GlslWriter {
   Evaluation run() {
     measure_sources();
     find_guarded();
-    const auto plan = [&](const std::vector<Id<Object>>& alike, std::uint32_t line_budget) {
-      return plan_code(module_, sizes_, alike, options_.codegen, line_budget);
-    };
-    CodePlan chosen = plan(each_by_itself(), options_.inlined_line_budget);
-    if (options_.unite_shapes && chosen.cuts_for_size) {
-      write(plan(each_by_itself(), no_budget));  // objects of one shape count once; writing them tells which they are
-      chosen = plan(by_shape(), options_.inlined_line_budget);
+    std::vector<Id<Object>> alike = each_by_itself();
+    if (options_.unite_shapes) {  // objects of one shape count once; writing them tells which they are
+      write(plan_code(module_, sizes_, alike, {Codegen::specialised, no_budget, {}}));
+      alike = by_shape();
     }
-    write(std::move(chosen));
+    write(plan_code(module_, sizes_, alike, {options_.codegen, options_.inlined_line_budget, options_.costs}));
     return finish();
   }
 

@@ -24,8 +24,9 @@ struct Uses {
 };
 
 struct GlslOptions {
-  Codegen codegen = Codegen::specialised;
-  std::uint32_t inlined_line_budget = 1000;
+  Codegen codegen = Codegen::automatic;
+  std::uint32_t inlined_line_budget = 4000;
+  DeviceCosts costs;        ///< for Codegen::automatic
   bool fold_affine = true;  ///< write identities, translations and scalings as such
   bool box_tests = true;    ///< leave out box tests that the standard cube already answers
   bool unite_shapes = true;  ///< candidates' objects that are equal but for their numbers share one function
@@ -40,7 +41,7 @@ struct Evaluation {
   std::map<Id<Object>, std::uint32_t> united;  ///< what PlacementRecord::united says where such an object is a candidate
   Uses uses;
   std::uint32_t inlined_lines = 0;
-  Codegen codegen = Codegen::specialised;
+  Codegen codegen = Codegen::automatic;
   Filter filter = Filter::hardware;
   std::vector<std::string> object_codegen;  ///< a line an object: which form it got, and why
 };

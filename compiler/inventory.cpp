@@ -211,7 +211,8 @@ class StockTaking {
 
   void count_lookup(const std::vector<PlacedBox>& boxes, const glm::uvec3& wish, const glm::dvec3& frame_error,
                     RecordBytes& bytes) {
-    const Lookup lookup = build_lookup(boxes, enabled(options_, "index") ? wish : glm::uvec3(1), frame_error);
+    const IndexOptions index = index_options(options_);
+    const Lookup lookup = build_lookup(boxes, index.use ? wish : glm::uvec3(1), frame_error, index.refine);
     bytes.cells += lookup.cells.size() * sizeof(std::uint32_t);
     bytes.lists += lookup.lists.size() * sizeof(std::uint32_t);
     if (boxes.size() < 2) return;
