@@ -47,6 +47,7 @@ void add_buffers(Program& program, const Records& records, const Uses& uses) {
   if (uses.walker || uses.region_colors) add_buffer(program, "regions", DMVV_BIND_REGIONS, records.regions);
   if (uses.walker) add_buffer(program, "groups", DMVV_BIND_GROUPS, records.groups);
   if (uses.placements) add_buffer(program, "placements", DMVV_BIND_PLACEMENTS, records.placements);
+  if (uses.scalings) add_buffer(program, "scalings", DMVV_BIND_SCALINGS, records.scalings);
   if (uses.lists) add_buffer(program, "cells", DMVV_BIND_CELLS, records.cells);
   if (uses.lists) add_buffer(program, "lists", DMVV_BIND_LISTS, records.lists);
   if (uses.walker) add_buffer(program, "objects", DMVV_BIND_OBJECTS, records.objects);

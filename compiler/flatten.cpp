@@ -64,8 +64,16 @@ class Flattening {
     record.kind = static_cast<std::uint32_t>(sdf.placement);
     record.first_placement = static_cast<std::uint32_t>(out_.placements.size());
     for (const Affine& affine : sdf.local_from_object) out_.placements.push_back({rows(affine), 0, 0, 0, 0});
+    append_scalings(sdf);
     if (sdf.placement == voml::Placement::seeded) record.lookup = append_lookup();
     return record;
+  }
+
+  /// A quarter of the loads of a placement.
+  void append_scalings(const Sdf& sdf) {
+    out_.first_scaling.push_back(only_scale(sdf) ? static_cast<std::uint32_t>(out_.scalings.size()) : no_scaling);
+    if (!only_scale(sdf)) return;
+    for (const Affine& a : sdf.local_from_object) out_.scalings.push_back(vec(a.translation, a.linear[0].x));
   }
 
   gpu::RegionRecord flatten_region(const Region& region) {
@@ -155,6 +163,11 @@ gpu::AffineRows rows(const Affine& affine) {
   const glm::dmat3& m = affine.linear;
   const glm::dvec3& t = affine.translation;
   return {vec({m[0].x, m[1].x, m[2].x}, t.x), vec({m[0].y, m[1].y, m[2].y}, t.y), vec({m[0].z, m[1].z, m[2].z}, t.z)};
+}
+
+bool only_scale(const Sdf& sdf) {
+  return sdf.placement == voml::Placement::seeded &&
+         std::ranges::all_of(sdf.local_from_object, [](const Affine& a) { return a.linear == glm::dmat3(a.linear[0].x); });
 }
 
 LocalBox local_box(const Sdf& sdf, const Module& module) {

@@ -262,13 +262,19 @@ class Generator : GlslWriter {
 
   void emit_seeded(Id<Sdf> id, const Sdf& sdf) {
     const gpu::SdfRecord& record = records_.sdfs[id.index];
-    out_.uses.placements = true;
     line("uvec2 range = {};", find_cell(record.lookup, "p"));
     line("uint asked = 0u;");
     line("bool negative = false;");
     open("for (uint i = range.x; i < range.y && !negative; ++i)");
     line("++asked;");
-    line("vec3 q = apply(placements[{} + lists[i]].local_from_object, p);", fmt::format("{}u", record.first_placement));
+    if (const std::uint32_t first = records_.first_scaling[id.index]; first != no_scaling && options_.fold_affine) {
+      out_.uses.scalings = true;
+      line("vec4 scaling = scalings[{} + lists[i]];", fmt::format("{}u", first));
+      line("vec3 q = p * scaling.w + scaling.xyz;");
+    } else {
+      out_.uses.placements = true;
+      line("vec3 q = apply(placements[{} + lists[i]].local_from_object, p);", fmt::format("{}u", record.first_placement));
+    }
     line("negative = {} && {};", box_test(local_box(sdf, module_), "q"), source_test(sdf, nullptr, "q"));
     close();
     line("hit_unfinished = hit_unfinished || (!negative && asked != range.y - range.x);");

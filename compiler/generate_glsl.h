@@ -18,6 +18,7 @@ struct Uses {
   bool walker = false;      ///< nodes, sdfs, regions, groups, objects
   bool placements = false;
   bool lists = false;       ///< cells and lists
+  bool scalings = false;    ///< seeds that only scale and move
   bool parameters = false;  ///< of united functions
   bool time = false;        ///< what depends on time alone
   bool region_colors = false;  ///< regions, for their colours

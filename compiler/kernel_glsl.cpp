@@ -26,6 +26,7 @@ std::string bindings(const Uses& uses) {
     buffer("DMVV_BIND_GROUPS", "Groups", "GroupRecord", "groups");
     buffer("DMVV_BIND_OBJECTS", "Objects", "uint", "objects");
   }
+  if (uses.scalings) buffer("DMVV_BIND_SCALINGS", "Scalings", "vec4", "scalings");
   if (uses.parameters) buffer("DMVV_BIND_PARAMETERS", "Parameters", "uvec4", "parameters");
   if (uses.time) buffer("DMVV_BIND_TIME", "TimeValues", "float", "time_values");
   if (uses.walker || uses.region_colors) buffer("DMVV_BIND_REGIONS", "Regions", "RegionRecord", "regions");

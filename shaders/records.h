@@ -26,6 +26,7 @@ using uvec4 = glm::uvec4;
 #define DMVV_BIND_OBJECTS 9
 #define DMVV_BIND_TIME 10  // float[]: what depends on time alone, computed on the CPU for each frame
 #define DMVV_BIND_PARAMETERS 11  // uvec4[]: what differs between functions of one shape
+#define DMVV_BIND_SCALINGS 12  // vec4[]: seeds that only scale and move, q = p * w + xyz
 
 // ---- bindings of descriptor set 1 ----
 // kernel `points`
