@@ -16,7 +16,7 @@ constexpr std::uint32_t lines_of_decision = 8;
 constexpr std::uint32_t lines_of_seeded_decision = 22;
 constexpr std::uint32_t lines_of_group = 26;
 constexpr std::uint32_t lines_of_walker = 110;
-constexpr double surely = 1.5;  // times cheaper that walking must be expected to be
+constexpr double surely = 1.5;                  // times cheaper that walking must be expected to be
 constexpr std::uint32_t most_own_lines = 8000;  // of one object that is written out at all
 constexpr std::uint32_t most_lines = 1u << 24;  // sums saturate here: shared subtrees can count exponentially
 // lavapipe ignores, in silence, conditions that stand inside more than 80 others, after inlining; lowering early exits
@@ -135,9 +135,9 @@ class Planning {
   /// Lines of each object with everything that it calls inlined, given the cuts.
   std::vector<std::uint32_t> all_inlined_lines(const std::vector<bool>& cut) const {
     std::vector<std::uint32_t> lines(module_.objects.size());
-    const std::uint32_t walker_lines = saturating_add(
-        lines_of_walker + sizes_.filter_lines,
-        std::accumulate(sizes_.function_lines.begin(), sizes_.function_lines.end(), std::uint64_t{0}));
+    const std::uint32_t walker_lines =
+        saturating_add(lines_of_walker + sizes_.filter_lines,
+                       std::accumulate(sizes_.function_lines.begin(), sizes_.function_lines.end(), std::uint64_t{0}));
     for (std::size_t i = module_.objects.size(); i-- > 0;) {
       if (cut[i]) {
         lines[i] = walker_lines;
@@ -208,7 +208,8 @@ class Planning {
     const std::uint32_t walker = nesting_of_walker + halvings + sizes_.function_nesting;
     std::vector<std::uint32_t> nested(module_.objects.size());
     for (std::size_t i = nested.size(); i-- > 0;) {
-      nested[i] = (plan_.parts[i].has_flat_tree ? nesting_of_flat_tree : plan_.parts[i].depth) + sizes_.function_nesting + 3;
+      nested[i] =
+          (plan_.parts[i].has_flat_tree ? nesting_of_flat_tree : plan_.parts[i].depth) + sizes_.function_nesting + 3;
       for (const Id<Region> region : plan_.parts[i].regions) {
         for (const CandidateGroup& group : at(module_.regions, region).groups) {
           const std::uint32_t around = group.candidates.size() > 1 ? nesting_of_group : 0;
@@ -265,8 +266,8 @@ class Planning {
   const std::vector<Id<Object>>& alike_;
   const PlanOptions& options_;
   std::vector<std::vector<std::vector<Id<Object>>>> counted_;  // as plan_.calls, one of each that share their code
-  std::vector<bool> too_deep_;      // objects that are cut for their nesting
-  std::vector<ObjectCost> costs_;   // of each object, for Codegen::automatic
+  std::vector<bool> too_deep_;                                 // objects that are cut for their nesting
+  std::vector<ObjectCost> costs_;                              // of each object, for Codegen::automatic
   CodePlan plan_;
 };
 

@@ -17,7 +17,8 @@ constexpr double most_found = 4.0;  // candidates that hold a point, on average
 
 class Expectation {
  public:
-  Expectation(const Module& module, const SourceSizes& sizes, const std::vector<Id<Object>>& alike, const DeviceCosts& device)
+  Expectation(const Module& module, const SourceSizes& sizes, const std::vector<Id<Object>>& alike,
+              const DeviceCosts& device)
       : module_(module),
         sizes_(sizes),
         alike_(alike),
@@ -26,7 +27,8 @@ class Expectation {
         costs_(module.objects.size()) {}
 
   std::vector<ObjectCost> run() {
-    for (std::size_t i = costs_.size(); i-- > 0;) costs_[i] = cost(module_.objects[i]);  // the embedded ones stand behind
+    for (std::size_t i = costs_.size(); i-- > 0;)
+      costs_[i] = cost(module_.objects[i]);  // the embedded ones stand behind
     return std::move(costs_);
   }
 
@@ -112,7 +114,8 @@ class Expectation {
 
   /// A walker calls all functions where branches do not skip, and samples the atlas.
   double walked_decision(const Sdf& sdf) const {
-    const double all = device_.line * (all_function_lines_ + sizes_.filter_lines) + (module_.grids.empty() ? 0.0 : device_.sample);
+    const double all =
+        device_.line * (all_function_lines_ + sizes_.filter_lines) + (module_.grids.empty() ? 0.0 : device_.sample);
     const double once = device_.step + device_.skipping * source(sdf) + (1.0 - device_.skipping) * all;
     return once + seeds_asked(sdf) * (device_.search + once);
   }
@@ -153,10 +156,12 @@ class Expectation {
 
 DeviceCosts costs_of_cpu() { return {}; }
 
-DeviceCosts costs_of_gpu() { return {.line = 0.001, .sample = 0.02, .search = 0.03, .step = 0.05, .visit = 0.1, .skipping = 0.9}; }
+DeviceCosts costs_of_gpu() {
+  return {.line = 0.001, .sample = 0.02, .search = 0.03, .step = 0.05, .visit = 0.1, .skipping = 0.9};
+}
 
-std::vector<ObjectCost> expected_costs(const Module& module, const SourceSizes& sizes, const std::vector<Id<Object>>& alike,
-                                       const DeviceCosts& device) {
+std::vector<ObjectCost> expected_costs(const Module& module, const SourceSizes& sizes,
+                                       const std::vector<Id<Object>>& alike, const DeviceCosts& device) {
   return Expectation(module, sizes, alike, device).run();
 }
 

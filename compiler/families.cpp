@@ -41,7 +41,8 @@ std::size_t number_length(std::string_view text) {
 /// Whether a minus after this text is a sign, not an operation.
 bool sign_may_follow(std::string_view before) {
   while (before.ends_with(' ')) before.remove_suffix(1);
-  return before.ends_with("return") || (!before.empty() && std::string_view("(,=?:<>*/+-&|").find(before.back()) != std::string_view::npos);
+  return before.ends_with("return") ||
+         (!before.empty() && std::string_view("(,=?:<>*/+-&|").find(before.back()) != std::string_view::npos);
 }
 
 /// f, u or i.
@@ -52,9 +53,12 @@ char type_of(std::string_view literal) {
 
 std::uint32_t bits_of(const std::string& literal) {
   switch (type_of(literal)) {
-    case 'f': return std::bit_cast<std::uint32_t>(std::strtof(literal.c_str(), nullptr));
-    case 'u': return static_cast<std::uint32_t>(std::strtoul(literal.c_str(), nullptr, 0));
-    default: return static_cast<std::uint32_t>(std::strtol(literal.c_str(), nullptr, 10));
+    case 'f':
+      return std::bit_cast<std::uint32_t>(std::strtof(literal.c_str(), nullptr));
+    case 'u':
+      return static_cast<std::uint32_t>(std::strtoul(literal.c_str(), nullptr, 0));
+    default:
+      return static_cast<std::uint32_t>(std::strtol(literal.c_str(), nullptr, 10));
   }
 }
 
@@ -120,7 +124,8 @@ std::vector<Families::Token> Families::tokens_of(const std::string& name, const 
         add(Kind::callee, word).callee = callee->second;
       } else if (const auto shape = united_names_.find(word); shape != united_names_.end()) {
         add(Kind::united, word).callee = shape->second;
-      } else if (const auto column = columns.find(word); column != columns.end() && rest.substr(length).starts_with('[')) {
+      } else if (const auto column = columns.find(word);
+                 column != columns.end() && rest.substr(length).starts_with('[')) {
         add(Kind::element, rest.substr(0, ++length)).column = column->second;
         brackets.push_back(column->second);
       } else {
@@ -149,12 +154,22 @@ std::string Families::shape_text(const Function& function) const {
   std::string text;
   for (const Token& token : function.tokens) {
     switch (token.kind) {
-      case Token::Kind::comment: break;
-      case Token::Kind::literal: text += fmt::format("\x01{}", type_of(token.text)); break;
-      case Token::Kind::own_name: text += "\x02" + token.text; break;
-      case Token::Kind::callee: text += fmt::format("\x03{}", functions_[token.callee].shape); break;
-      case Token::Kind::table: text += "\x04"; break;
-      default: text += token.text;
+      case Token::Kind::comment:
+        break;
+      case Token::Kind::literal:
+        text += fmt::format("\x01{}", type_of(token.text));
+        break;
+      case Token::Kind::own_name:
+        text += "\x02" + token.text;
+        break;
+      case Token::Kind::callee:
+        text += fmt::format("\x03{}", functions_[token.callee].shape);
+        break;
+      case Token::Kind::table:
+        text += "\x04";
+        break;
+      default:
+        text += token.text;
     }
   }
   return text;
@@ -163,7 +178,8 @@ std::string Families::shape_text(const Function& function) const {
 void Families::add(const std::string& name, const std::string& text) {
   Function function{name, tokens_of(name, text)};
   for (const Token& token : function.tokens) {
-    if (token.kind == Token::Kind::callee) function.level = std::max(function.level, functions_[token.callee].level + 1);
+    if (token.kind == Token::Kind::callee)
+      function.level = std::max(function.level, functions_[token.callee].level + 1);
   }
   function.shape = shapes_.try_emplace(shape_text(function), static_cast<std::uint32_t>(shapes_.size())).first->second;
   numbers_.emplace(name, static_cast<std::uint32_t>(functions_.size()));
@@ -191,7 +207,9 @@ std::string Families::unite(const std::vector<std::string>& names) {
 void Families::settle() {
   // Step 1: callers before callees, as members of a union unite what they call.
   std::map<std::uint32_t, std::set<std::uint32_t>, std::greater<>> by_level;
-  const auto level_of = [&](std::uint32_t shape) { return std::ranges::find(functions_, shape, &Function::shape)->level; };
+  const auto level_of = [&](std::uint32_t shape) {
+    return std::ranges::find(functions_, shape, &Function::shape)->level;
+  };
   for (const auto& [shape, united] : unions_) by_level[level_of(shape)].insert(shape);
   while (!by_level.empty()) {
     auto level = by_level.begin();
@@ -231,7 +249,8 @@ void Families::compare_token(Union& united, std::size_t token) {
   }
   if (first.kind == Token::Kind::callee && differs([](const Token& t) { return t.callee; })) {
     united.united_callees.insert(token);
-    for (const std::uint32_t member : united.members) unions_[functions_[first.callee].shape].members.insert(at(member).callee);
+    for (const std::uint32_t member : united.members)
+      unions_[functions_[first.callee].shape].members.insert(at(member).callee);
   }
   if (first.kind != Token::Kind::literal || !differs([](const Token& t) { return t.text; })) return;
   Slot slot{type_of(first.text), {}};
@@ -360,14 +379,16 @@ std::string value_text(std::size_t i) { return fmt::format("k{}.{}", i / 4, "xyz
 /// Of the function that a member calls at this token.
 std::string Families::united_row(const Union& united, std::size_t token) const {
   const auto callee = united.united_callees.find(token);
-  return value_text(united.slots.size() + static_cast<std::size_t>(std::distance(united.united_callees.begin(), callee)));
+  return value_text(united.slots.size() +
+                    static_cast<std::size_t>(std::distance(united.united_callees.begin(), callee)));
 }
 
 std::string Families::united_token(const Union& united, std::size_t index) const {
   const Function& first = functions_[*united.members.begin()];
   const Token& token = first.tokens[index];
   switch (token.kind) {
-    case Token::Kind::own_name: return united_name(first.shape) + token.text;
+    case Token::Kind::own_name:
+      return united_name(first.shape) + token.text;
     case Token::Kind::callee:
       return united.united_callees.contains(index) ? united_name(functions_[token.callee].shape) : token.text;
     case Token::Kind::literal:
@@ -375,14 +396,17 @@ std::string Families::united_token(const Union& united, std::size_t index) const
         return as_type(united.slots[slot->second].type, value_text(slot->second));
       }
       return token.text;
-    case Token::Kind::table: return united.has_table ? "" : token.text;
+    case Token::Kind::table:
+      return united.has_table ? "" : token.text;
     case Token::Kind::element:
       if (!united.has_table) return token.text;
       return fmt::format("uintBitsToFloat(parameters[row + {}u + {}u * uint(",
                          rows_for(united.slots.size() + united.united_callees.size()) + token.column / 4,
                          rows_for(united.columns));
-    case Token::Kind::element_end: return united.has_table ? fmt::format(")].{})", "xyzw"[token.column % 4]) : token.text;
-    default: return token.text;
+    case Token::Kind::element_end:
+      return united.has_table ? fmt::format(")].{})", "xyzw"[token.column % 4]) : token.text;
+    default:
+      return token.text;
   }
 }
 

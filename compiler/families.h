@@ -1,5 +1,5 @@
-// Functions of a shader that are equal but for their literals, made one: the literals that differ become parameters, read
-// from a buffer by the row at which a member's begin. Anti-unification (Plotkin 1970) of GLSL text.
+// Functions of a shader that are equal but for their literals, made one: the literals that differ become parameters,
+// read from a buffer by the row at which a member's begin. Anti-unification (Plotkin 1970) of GLSL text.
 //
 //   float function_3(vec3 p) { return length(p) - 0.5; }       float function_3_united(uint row, vec3 p) {
 //   float function_4(vec3 p) { return length(p) - 0.7; }   ->    uvec4 k0 = parameters[row];
@@ -47,9 +47,9 @@ class Families {
   struct Token {
     enum class Kind : std::uint8_t { text, comment, own_name, literal, callee, united, table, element, element_end };
     Kind kind;
-    std::string text;            ///< as written; of own_name what follows the name
-    std::uint32_t callee = 0;    ///< number of a function; a shape for united ones
-    std::uint32_t column = 0;    ///< of a table or element: which of the function's constant arrays
+    std::string text;                   ///< as written; of own_name what follows the name
+    std::uint32_t callee = 0;           ///< number of a function; a shape for united ones
+    std::uint32_t column = 0;           ///< of a table or element: which of the function's constant arrays
     std::vector<std::string> values{};  ///< of a table
   };
   struct Function {

@@ -13,7 +13,8 @@ std::string bindings(const Uses& uses) {
     text += fmt::format("layout(set = 0, binding = {}) uniform sampler3D {};\n", slot, name);
   };
   const auto buffer = [&](const char* slot, const char* block, const char* type, const char* name) {
-    text += fmt::format("layout(set = 0, binding = {}, std430) readonly buffer {} {{ {} {}[]; }};\n", slot, block, type, name);
+    text += fmt::format("layout(set = 0, binding = {}, std430) readonly buffer {} {{ {} {}[]; }};\n", slot, block, type,
+                        name);
   };
   if (uses.grid_atlas) sampler("DMVV_BIND_GRID_ATLAS", "grid_atlas");
   if (uses.bitmap_atlas) sampler("DMVV_BIND_BITMAP_ATLAS", "bitmap_atlas");

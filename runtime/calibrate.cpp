@@ -23,7 +23,7 @@ constexpr std::uint32_t version = 1;  // of the measuring, in the cache's key
 constexpr glm::uvec2 size_px{256, 256};
 constexpr double points = 256.0 * 256.0;
 constexpr int repeats = 3;
-constexpr std::size_t many = 16;    // decisions, candidates
+constexpr std::size_t many = 16;  // decisions, candidates
 constexpr std::size_t long_lines = 200;
 
 /// f = p.x, then `lines` times f = f * p.y + 1: nothing that a compiler could fold.
@@ -87,7 +87,8 @@ compiler::Module decisions(std::size_t count, std::size_t lines) {
   scene.module.functions.push_back(chain_function(lines));
   const Id<compiler::Node> inside = scene.leaf(scene.region(1));
   Id<compiler::Node> next = scene.leaf(scene.region(0));
-  for (std::size_t i = 0; i < count; ++i) next = scene.decision(Id<compiler::Function>{0}, -100.0 - static_cast<double>(i), next, inside);
+  for (std::size_t i = 0; i < count; ++i)
+    next = scene.decision(Id<compiler::Function>{0}, -100.0 - static_cast<double>(i), next, inside);
   scene.module.objects[0].root = next;
   return std::move(scene.module);
 }

@@ -35,7 +35,8 @@ compiler::Module bushy_scene(int depth) {
   return tests::lowered(text + "<MAPPINGS>" + tree + "</MAPPINGS></OBJECT></MVV>", files);
 }
 
-std::string form_of(const compiler::Module& module, const compiler::DeviceCosts& costs, Codegen codegen = Codegen::automatic) {
+std::string form_of(const compiler::Module& module, const compiler::DeviceCosts& costs,
+                    Codegen codegen = Codegen::automatic) {
   compiler::CompileOptions options;
   options.codegen = codegen;
   options.costs = costs;

@@ -41,12 +41,16 @@ TEST_CASE("functions that differ in literals alone become one, which reads them"
   CHECK(families.take({"main"}).empty());  // once
 }
 
-TEST_CASE("what is the same in all members stays, equal differences share a parameter, callees are united with their callers") {
+TEST_CASE(
+    "what is the same in all members stays, equal differences share a parameter, callees are united with their "
+    "callers") {
   Families families;
   for (const char* n : {"1", "2"}) {
     const std::string number = n;
-    families.add("f" + number, "float f" + number + "(vec3 p) { return p.x * " + number + ".5 + " + number + ".5 - 3.0; }\n");
-    families.add("g" + number, "bool g" + number + "(vec3 p, uint u) {\n  return f" + number + "(p) <= 0.0 && u == " + number + "u;\n}\n");
+    families.add("f" + number,
+                 "float f" + number + "(vec3 p) { return p.x * " + number + ".5 + " + number + ".5 - 3.0; }\n");
+    families.add("g" + number, "bool g" + number + "(vec3 p, uint u) {\n  return f" + number +
+                                   "(p) <= 0.0 && u == " + number + "u;\n}\n");
   }
   CHECK(families.unite({"g1", "g2"}) == "g1_united");
   families.add("main", "bool b = g1_united(0u, p, 1u);\n");
@@ -65,7 +69,8 @@ TEST_CASE("constant arrays may differ in length; other sizes are part of the sha
   Families families;
   const auto sum = [](const std::string& name, const std::string& values, const std::string& last) {
     return "float " + name + "(vec3 p) {\n  const float a0[" + last + "] = float[" + last + "](" + values +
-           ");\n  float s = 0.0;\n  for (int i = 0; i < " + last + "; ++i) s = s + a0[clamp(i, 0, " + last + ")];\n  return s;\n}\n";
+           ");\n  float s = 0.0;\n  for (int i = 0; i < " + last + "; ++i) s = s + a0[clamp(i, 0, " + last +
+           ")];\n  return s;\n}\n";
   };
   families.add("f", sum("f", "1.0, 2.0", "2"));
   families.add("g", sum("g", "5.0, 6.0, 7.0", "3"));
@@ -76,7 +81,8 @@ TEST_CASE("constant arrays may differ in length; other sizes are part of the sha
   families.unite({"f", "g"});
   families.add("main", "float s = f_united(row, p);\n");
   families.settle();
-  CHECK(has(families.take({"main"}), "s = s + uintBitsToFloat(parameters[row + 1u + 1u * uint(clamp(i, 0, int(k0.x)))].x);"));
+  CHECK(has(families.take({"main"}),
+            "s = s + uintBitsToFloat(parameters[row + 1u + 1u * uint(clamp(i, 0, int(k0.x)))].x);"));
   const auto value = [&](const std::string& name, std::uint32_t i) {
     return std::bit_cast<float>(families.parameters()[families.row(name) + 1 + i].x);
   };
