@@ -356,7 +356,7 @@ const Variant& variant(const std::string& name) {
 }
 
 std::string name_of(Codegen codegen) {
-  constexpr std::array names{"specialised", "table", "thesis"};
+  constexpr std::array names{"specialised", "table", "thesis", "auto"};
   return names[static_cast<std::size_t>(codegen)];
 }
 

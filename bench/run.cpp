@@ -9,6 +9,7 @@
 #include "bench/memory.h"
 #include "bench/statistics.h"
 #include "bench/truth.h"
+#include "runtime/calibrate.h"
 
 namespace dmvv::bench {
 namespace {
@@ -50,15 +51,16 @@ double ms_of(const runtime::Timings& timings, std::string_view step) {
   return ms;
 }
 
-compiler::CompileOptions compile_options(const Settings& settings, const runtime::DeviceInfo& device) {
+compiler::CompileOptions compile_options(const Settings& settings, const runtime::Device& device) {
   compiler::CompileOptions options;
   options.codegen = settings.codegen;
   options.atlas_format = settings.atlas;
   options.filter = settings.filter;
   options.disabled_passes = settings.disabled_passes;
   options.judge = settings.verdicts;
-  options.max_extent_3d = device.max_extent_3d;
-  options.max_storage_buffer = device.max_storage_buffer;
+  options.max_extent_3d = device.info().max_extent_3d;
+  options.max_storage_buffer = device.info().max_storage_buffer;
+  options.costs = runtime::costs_of(device);
   return options;
 }
 
@@ -78,7 +80,7 @@ Result<Built> build(const SceneSource& source, const Settings& settings, Kernel 
   auto program = timed(steps, "compile", [&]() -> std::optional<compiler::Program> {
     auto module = compiler::lower(std::move(*scene), diagnostics);
     if (!module) return std::nullopt;
-    return compiler::compile(std::move(*module), compile_options(settings, device.info()), diagnostics);
+    return compiler::compile(std::move(*module), compile_options(settings, device), diagnostics);
   });
   if (!program) return tl::unexpected(input_error(source.path, diagnostics));
   const auto made = timed(steps, "SPIR-V", [&] { return compiler::to_spirv(*program, kernel); });

@@ -19,6 +19,7 @@
 #include "cli/outputs.h"
 #include "cli/progress.h"
 #include "cli/view_options.h"
+#include "runtime/calibrate.h"
 #include "voml/content_hash.h"
 
 namespace dmvv::cli {
@@ -282,6 +283,10 @@ int animate(const AnimateOptions& options, Context& context) {
       place_camera(view, options.view, hashing(disk_files(), mesh_hash), context, diagnostics);
   if (mesh) view.mesh = &*mesh;
   runtime::Device device = await_device(opening, context);
+  if (form.codegen == compiler::Codegen::automatic) {  // many frames pay for it
+    runtime::calibrate(device);
+    context.stopwatch.lap("calibrate");
+  }
 
   FrameFolder folder(plan.names, view.size_px,
                      make_manifest(options, plan, view, scene_hash.text(), mesh_hash.text(), device.info()));

@@ -36,6 +36,8 @@ std::string_view name_of(compiler::Codegen codegen) {
       return "table";
     case compiler::Codegen::thesis:
       return "thesis";
+    case compiler::Codegen::automatic:
+      return "auto";
   }
   return "?";
 }

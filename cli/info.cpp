@@ -203,7 +203,7 @@ std::string program_text(const compiler::Inventory& inventory, std::uint32_t lin
   text += "program\n";
   const compiler::Program& program = inventory.program;
   const compiler::Statistics& s = program.statistics;
-  const bool specialised = program.codegen == compiler::Codegen::specialised;
+  const bool specialised = program.codegen != compiler::Codegen::table;
   line("code", fmt::format("{} lines of GLSL{}", s.glsl_lines,
                            specialised ? fmt::format("; {} when inlined, {} allowed", s.inlined_lines, line_budget) : ""));
   std::size_t values = 0;
@@ -222,7 +222,7 @@ std::string program_text(const compiler::Inventory& inventory, std::uint32_t lin
 int info_scene(const InfoOptions& options, Context& context) {
   const compiler::CompileOptions form = compile_options(options.codegen);
   if (form.codegen == compiler::Codegen::thesis) {
-    fail_usage("--codegen: info knows specialised and table", {"dmvv compile --dump stats tells about thesis"});
+    fail_usage("--codegen: info knows auto, specialised and table", {"dmvv compile --dump stats tells about thesis"});
   }
   Diagnostics diagnostics(options.file.strict);
   const voml::Scene scene = read_scene(options.file, context, diagnostics);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime/calibrate.h"
+
 namespace dmvv::cli {
 namespace {
 
@@ -13,7 +15,8 @@ constexpr std::uint64_t max_file_bytes = std::uint64_t{4} << 30;
 template <class T>
 using Word = std::pair<std::string_view, T>;
 
-constexpr Word<compiler::Codegen> codegens[] = {{"specialised", compiler::Codegen::specialised},
+constexpr Word<compiler::Codegen> codegens[] = {{"auto", compiler::Codegen::automatic},
+                                                {"specialised", compiler::Codegen::specialised},
                                                 {"table", compiler::Codegen::table},
                                                 {"thesis", compiler::Codegen::thesis}};
 constexpr Word<compiler::TexelFormat> atlas_formats[] = {{"r32f", compiler::TexelFormat::r32f},
@@ -63,7 +66,8 @@ void add_device_options(CLI::App& command, DeviceChoice& choice) {
 void add_codegen_options(CLI::App& command, CodegenChoice& choice) {
   command
       .add_option("--codegen", choice.codegen,
-                  "Shader form: specialised (default), table, or thesis (with the errors of the published program)")
+                  "Shader form: auto (default; by the costs of the device), specialised, table, or thesis (with the errors of the "
+                  "published program)")
       ->type_name("FORM");
   command.add_option("--atlas", choice.atlas, "Texels of the distance atlas: r32f (default), r16f, snorm16 or snorm8")
       ->type_name("FORMAT");
@@ -130,6 +134,7 @@ compiler::Program compile(compiler::Module module, compiler::CompileOptions opti
   if (device) {
     options.max_extent_3d = device->info().max_extent_3d;
     options.max_storage_buffer = device->info().max_storage_buffer;
+    options.costs = runtime::costs_of(*device);
   }
   auto program = compiler::compile(std::move(module), options, diagnostics);
   context.stopwatch.lap("compile");

@@ -30,7 +30,7 @@ struct DeviceChoice {
 };
 
 struct CodegenChoice {
-  std::string codegen = "specialised";
+  std::string codegen = "auto";
   std::string atlas = "r32f";
   std::string filter = "hardware";
   std::vector<std::string> disabled_passes;

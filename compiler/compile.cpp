@@ -25,6 +25,11 @@ bool enabled(const CompileOptions& options, std::string_view pass) {
   return std::find(options.disabled_passes.begin(), options.disabled_passes.end(), pass) == options.disabled_passes.end();
 }
 
+/// Is the scene's own code generated at all? Else its records alone are (the thesis' way, and its lists as they are).
+bool writes_code(const CompileOptions& options) {
+  return options.codegen == Codegen::specialised || options.codegen == Codegen::automatic;
+}
+
 GridStorage grid_storage(const Module& module, const CompileOptions& options) {
   return {options.atlas_format, options.filter, texel_scales(module, options.atlas_format, options.filter)};
 }
@@ -44,9 +49,25 @@ void add_buffers(Program& program, const Records& records, const Uses& uses) {
   if (uses.walker || uses.region_colors) add_buffer(program, "regions", DMVV_BIND_REGIONS, records.regions);
   if (uses.walker) add_buffer(program, "groups", DMVV_BIND_GROUPS, records.groups);
   if (uses.placements) add_buffer(program, "placements", DMVV_BIND_PLACEMENTS, records.placements);
+  if (uses.scalings) add_buffer(program, "scalings", DMVV_BIND_SCALINGS, records.scalings);
   if (uses.lists) add_buffer(program, "cells", DMVV_BIND_CELLS, records.cells);
   if (uses.lists) add_buffer(program, "lists", DMVV_BIND_LISTS, records.lists);
   if (uses.walker) add_buffer(program, "objects", DMVV_BIND_OBJECTS, records.objects);
+}
+
+/// Tells the placements of candidates where their objects' parameters are.
+void name_united(Records& records, const Module& module, const std::map<Id<Object>, std::uint32_t>& united) {
+  if (united.empty()) return;
+  std::size_t group_record = 0;
+  for (const Region& region : module.regions) {
+    for (const CandidateGroup& group : region.groups) {
+      const std::size_t first = records.groups[group_record++].first_placement;
+      for (std::size_t i = 0; i < group.candidates.size(); ++i) {
+        const auto known = united.find(group.candidates[i].object);
+        if (known != united.end()) records.placements[first + i].united = known->second;
+      }
+    }
+  }
 }
 
 bool check_buffers(const Program& program, std::uint64_t limit, Diagnostics& diagnostics) {
@@ -81,13 +102,19 @@ void count(Statistics& statistics, const Module& module) {
 
 }  // namespace
 
+IndexOptions index_options(const CompileOptions& options) {
+  return {enabled(options, "index"), writes_code(options) && enabled(options, "refine-index")};
+}
+
 const std::vector<PassInfo>& pass_names() {
   static const std::vector<PassInfo> passes{
       {"merge-assets", "identical grids, bitmaps and snippets are stored once"},
       {"prune-sides", "a decision between equal sides is left out"},
       {"drop-unreachable", "what no path from the root reaches is left out"},
       {"index", "seeds and candidates are found through lookup grids"},
+      {"refine-index", "an author's lookup grid has no fewer cells than the compiler would choose"},
       {"fold-affine", "identities, translations and scalings are written as such"},
+      {"unite-shapes", "objects of a group that are equal but for their numbers share one function"},
       {"box-tests", "box tests that the standard cube already answers are left out"},
       {"tapes", "large snippets are tapes that one loop walks, instead of code"},
       {"shorten-tapes", "tapes are shortened for each cell of a grid by what intervals prove there"},
@@ -134,14 +161,16 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   if (!grid_atlas || !bitmap_atlas) return std::nullopt;
   if (thesis && !fits_thesis(module, diagnostics)) return std::nullopt;
   Records records = thesis ? flatten_thesis(module, *grid_atlas, *bitmap_atlas)
-                                 : flatten(module, *grid_atlas, *bitmap_atlas, enabled(options, "index"));
+                                  : flatten(module, *grid_atlas, *bitmap_atlas, index_options(options));
 
   TapeOptions tape_options = options.tapes;
   tape_options.shorten = enabled(options, "shorten-tapes");
   const Tapes tapes = !thesis && enabled(options, "tapes") ? make_tapes(module, tape_options) : Tapes{};
-  const GlslOptions glsl_options{options.codegen, options.inlined_line_budget, enabled(options, "fold-affine"),
-                                 enabled(options, "box-tests"), &tapes};
+  const GlslOptions glsl_options{options.codegen, options.inlined_line_budget, options.costs, enabled(options, "fold-affine"),
+                                 enabled(options, "box-tests"), &tapes,
+                                 writes_code(options) && enabled(options, "unite-shapes")};
   Evaluation evaluation = generate_evaluation(module, records, *grid_atlas, glsl_options);
+  name_united(records, module, evaluation.united);
   for (const Kernel kernel : {Kernel::points, Kernel::pixels}) {
     program.glsl[static_cast<std::size_t>(kernel)] = generate_glsl(evaluation, program.depth, kernel);
   }
@@ -162,6 +191,7 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
     const std::string& note = tapes.functions[i].note;
     if (!note.empty()) program.statistics.tapes.push_back(module.functions[i].name + ": " + note);
   }
+  if (evaluation.uses.parameters) add_buffer(program, "parameters", DMVV_BIND_PARAMETERS, evaluation.parameters);
   if (evaluation.uses.time) add_buffer(program, "time_values", DMVV_BIND_TIME, time_values(program.time_functions, 0.0));
   if (!check_buffers(program, options.max_storage_buffer, diagnostics)) return std::nullopt;
   if (options.judge && !thesis) {

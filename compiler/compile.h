@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "compiler/code_cache.h"
+#include "compiler/cost_model.h"
+#include "compiler/flatten.h"
 #include "compiler/module.h"
 #include "compiler/program.h"
 #include "compiler/tape_options.h"
@@ -15,12 +17,13 @@
 namespace dmvv::compiler {
 
 struct CompileOptions {
-  Codegen codegen = Codegen::specialised;
+  Codegen codegen = Codegen::automatic;
+  DeviceCosts costs;                             ///< of the device that will run the program, for Codegen::automatic
   TexelFormat atlas_format = TexelFormat::r32f;  ///< of distance grids: r32f, r16f, snorm16 or snorm8; not for thesis
   Filter filter = Filter::hardware;              ///< of distance grids; not for thesis
   std::uint32_t max_extent_3d = 2048;            ///< of the device that will run the program
   std::uint64_t max_storage_buffer = 128u << 20;
-  std::uint32_t inlined_line_budget = 1000;      ///< beyond it, specialised code hands objects over to the generic walker
+  std::uint32_t inlined_line_budget = 4000;      ///< beyond it, specialised code hands objects over to the generic walker
   bool judge = false;                            ///< keep what proves verdicts: for those who draw many frames; not for thesis
   TapeOptions tapes;                             ///< `shorten` is what the pass says
   std::vector<std::string> disabled_passes;      ///< names of pass_names()
@@ -32,6 +35,9 @@ struct PassInfo {
   std::string_view what;
 };
 const std::vector<PassInfo>& pass_names();
+
+/// How such a program looks seeds and candidates up.
+IndexOptions index_options(const CompileOptions& options);
 
 /// Refuses what this version cannot evaluate, on the CPU or the GPU.
 /// Errors: E0304 embedding deeper than 256 levels.

@@ -18,8 +18,8 @@ glm::vec4 vec(const glm::dvec3& v, double w = 0.0) { return glm::vec4(glm::dvec4
 
 class Flattening {
  public:
-  Flattening(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, bool use_index)
-      : module_(module), grid_atlas_(grid_atlas), bitmap_atlas_(bitmap_atlas), use_index_(use_index) {}
+  Flattening(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, IndexOptions index)
+      : module_(module), grid_atlas_(grid_atlas), bitmap_atlas_(bitmap_atlas), index_(index) {}
 
   Records run() {
     number_decisions();
@@ -64,8 +64,16 @@ class Flattening {
     record.kind = static_cast<std::uint32_t>(sdf.placement);
     record.first_placement = static_cast<std::uint32_t>(out_.placements.size());
     for (const Affine& affine : sdf.local_from_object) out_.placements.push_back({rows(affine), 0, 0, 0, 0});
+    append_scalings(sdf);
     if (sdf.placement == voml::Placement::seeded) record.lookup = append_lookup();
     return record;
+  }
+
+  /// A quarter of the loads of a placement.
+  void append_scalings(const Sdf& sdf) {
+    out_.first_scaling.push_back(only_scale(sdf) ? static_cast<std::uint32_t>(out_.scalings.size()) : no_scaling);
+    if (!only_scale(sdf)) return;
+    for (const Affine& a : sdf.local_from_object) out_.scalings.push_back(vec(a.translation, a.linear[0].x));
   }
 
   gpu::RegionRecord flatten_region(const Region& region) {
@@ -101,15 +109,15 @@ class Flattening {
   /// All lists' lookup grids, in the order in which append_lookup takes them, on all cores: each is built by itself.
   void build_lookups() {
     std::vector<std::function<Lookup()>> jobs;
-    const auto wish = [&](const glm::uvec3& authors) { return use_index_ ? authors : glm::uvec3(1); };
+    const auto wish = [&](const glm::uvec3& authors) { return index_.use ? authors : glm::uvec3(1); };
     for (const Sdf& sdf : module_.sdfs) {
       if (sdf.placement != voml::Placement::seeded) continue;
-      jobs.emplace_back([&] { return build_lookup(placed_boxes(sdf, module_), wish(sdf.index_size), glm::dvec3(0.0)); });
+      jobs.emplace_back([&] { return build_lookup(placed_boxes(sdf, module_), wish(sdf.index_size), glm::dvec3(0.0), index_.refine); });
     }
     for (const Region& region : module_.regions) {
       for (const CandidateGroup& group : region.groups) {
         jobs.emplace_back(
-            [&] { return build_lookup(placed_boxes(group), wish(group.index_size), lookup_frame_error(group)); });
+            [&] { return build_lookup(placed_boxes(group), wish(group.index_size), lookup_frame_error(group), index_.refine); });
       }
     }
     lookups_.resize(jobs.size());
@@ -142,7 +150,7 @@ class Flattening {
   const Module& module_;
   const Atlas& grid_atlas_;
   const Atlas& bitmap_atlas_;
-  bool use_index_;
+  IndexOptions index_;
   std::vector<std::uint32_t> references_;  // of each node
   std::vector<Lookup> lookups_;
   std::size_t next_lookup_ = 0;
@@ -155,6 +163,11 @@ gpu::AffineRows rows(const Affine& affine) {
   const glm::dmat3& m = affine.linear;
   const glm::dvec3& t = affine.translation;
   return {vec({m[0].x, m[1].x, m[2].x}, t.x), vec({m[0].y, m[1].y, m[2].y}, t.y), vec({m[0].z, m[1].z, m[2].z}, t.z)};
+}
+
+bool only_scale(const Sdf& sdf) {
+  return sdf.placement == voml::Placement::seeded &&
+         std::ranges::all_of(sdf.local_from_object, [](const Affine& a) { return a.linear == glm::dmat3(a.linear[0].x); });
 }
 
 LocalBox local_box(const Sdf& sdf, const Module& module) {
@@ -205,8 +218,8 @@ glm::dvec3 lookup_frame_error(const CandidateGroup& group) {
   return group.box_from_object ? float_error(*group.box_from_object, glm::dvec3(1.0)) : glm::dvec3(0.0);
 }
 
-Records flatten(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, bool use_index) {
-  return Flattening(module, grid_atlas, bitmap_atlas, use_index).run();
+Records flatten(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, IndexOptions index) {
+  return Flattening(module, grid_atlas, bitmap_atlas, index).run();
 }
 
 namespace {

@@ -13,6 +13,8 @@
 
 namespace dmvv::compiler {
 
+inline constexpr std::uint32_t no_scaling = ~0u;
+
 /// Records of a module, in its order: sdfs[i] is module.sdfs[i], and so on; nodes are its decisions alone.
 struct Records {
   std::vector<gpu::NodeRecord> nodes;
@@ -22,6 +24,8 @@ struct Records {
   std::vector<gpu::PlacementRecord> placements;
   std::vector<std::uint32_t> cells;
   std::vector<std::uint32_t> lists;
+  std::vector<glm::vec4> scalings;     ///< of seeds that only scale, alike along all axes, and move: q = p * w + xyz
+  std::vector<std::uint32_t> first_scaling;  ///< of each SDF; no_scaling where not all its seeds are such
   std::vector<std::uint32_t> objects;  ///< the reference of each object's root node (DMVV_REGION_BIT: a region)
 };
 
@@ -47,9 +51,18 @@ Affine lookup_from_local(const voml::Grid& grid, Id<voml::Grid> id, const Atlas&
 
 gpu::AffineRows rows(const Affine& affine);
 
-/// Builds all records. With `use_index` off every lookup is one cell that lists everything.
+/// Do all placements of the seeds only scale, alike along all axes, and move?
+bool only_scale(const Sdf& sdf);
+
+/// How seeds and candidates are looked up.
+struct IndexOptions {
+  bool use = true;      ///< false: every lookup is one cell that lists everything
+  bool refine = false;  ///< an author's size is no more than a wish for more cells than would be chosen
+};
+
+/// Builds all records.
 /// Cost: that of build_lookup for each list.
-Records flatten(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, bool use_index);
+Records flatten(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, IndexOptions index);
 
 /// Records as text, one a line, stable.
 std::string to_text(const Records& records);

@@ -1,6 +1,8 @@
 // Module + records -> the text of a kernel.
 #pragma once
 
+#include <glm/vec4.hpp>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,16 +20,20 @@ struct Uses {
   bool placements = false;
   bool lists = false;       ///< cells and lists
   bool tapes = false;       ///< tapes and their cells
+  bool scalings = false;    ///< seeds that only scale and move
+  bool parameters = false;  ///< of united functions
   bool time = false;        ///< what depends on time alone
   bool region_colors = false;  ///< regions, for their colours
 };
 
 struct GlslOptions {
-  Codegen codegen = Codegen::specialised;
-  std::uint32_t inlined_line_budget = 1000;
+  Codegen codegen = Codegen::automatic;
+  std::uint32_t inlined_line_budget = 4000;
+  DeviceCosts costs;        ///< for Codegen::automatic
   bool fold_affine = true;  ///< write identities, translations and scalings as such
   bool box_tests = true;    ///< leave out box tests that the standard cube already answers
   const Tapes* tapes = nullptr;  ///< functions that are tapes; none: all are written out
+  bool unite_shapes = true;  ///< candidates' objects that are equal but for their numbers share one function
 };
 
 /// The evaluation of a module: `void evaluate(vec3 p)` and `vec4 color_of(uint region, vec3 p)` with what they call.
@@ -35,9 +41,11 @@ struct Evaluation {
   std::string functions;  ///< the snippets, and `float call_function(uint function, vec3 q)` if the walker is in use
   std::string glsl;
   std::vector<TimeFunction> time_functions;
+  std::vector<glm::uvec4> parameters;          ///< of united functions (compiler/families.h)
+  std::map<Id<Object>, std::uint32_t> united;  ///< what PlacementRecord::united says where such an object is a candidate
   Uses uses;
   std::uint32_t inlined_lines = 0;
-  Codegen codegen = Codegen::specialised;
+  Codegen codegen = Codegen::automatic;
   Filter filter = Filter::hardware;
   std::vector<std::string> object_codegen;  ///< a line an object: which form it got, and why
 };
@@ -54,13 +62,7 @@ Evaluation generate_evaluation(const Module& module, const Records& records, con
 /// The complete text of a kernel: version, records, bindings in use, evaluation, main.
 std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Kernel kernel);
 
-/// Whether a transform turns nothing: with `fold_affine` it is written without a matrix.
-bool is_diagonal(const Affine& affine);
-
 /// Does the image of the standard cube lie in the box, float32 rounding included? Then `box_tests` leaves its test out.
 bool cube_maps_into(const Affine& affine, const LocalBox& box);
-
-/// A float32 as a GLSL literal that reads back as the same value.
-std::string glsl_float(float value);
 
 }  // namespace dmvv::compiler

@@ -9,6 +9,7 @@
 
 #include "compiler/flatten.h"
 #include "compiler/generate_glsl.h"
+#include "compiler/glsl_text.h"
 #include "compiler/passes.h"
 
 namespace dmvv::compiler {
@@ -153,12 +154,12 @@ std::vector<PassEffect> run_and_tell(Module& module, const CompileOptions& optio
 
 /// Bytes of the records of one object, by the buffer they stand in.
 struct RecordBytes {
-  std::uint64_t nodes = 0, sdfs = 0, regions = 0, groups = 0, placements = 0, cells = 0, lists = 0, objects = 4;
+  std::uint64_t nodes = 0, sdfs = 0, regions = 0, groups = 0, placements = 0, scalings = 0, cells = 0, lists = 0, objects = 4;
 
   std::uint64_t in(std::string_view buffer) const {
     const std::pair<std::string_view, std::uint64_t> all[] = {
         {"nodes", nodes},           {"sdfs", sdfs},   {"regions", regions}, {"groups", groups},
-        {"placements", placements}, {"cells", cells}, {"lists", lists},     {"objects", objects}};
+        {"placements", placements}, {"scalings", scalings}, {"cells", cells}, {"lists", lists},     {"objects", objects}};
     const auto* found = std::ranges::find(all, buffer, &std::pair<std::string_view, std::uint64_t>::first);
     return found == std::end(all) ? 0 : found->second;
   }
@@ -197,6 +198,7 @@ class StockTaking {
       sdf_counted_[i] = true;
       bytes.sdfs += sizeof(gpu::SdfRecord);
       bytes.placements += sdf.local_from_object.size() * sizeof(gpu::PlacementRecord);
+      if (only_scale(sdf)) bytes.scalings += sdf.local_from_object.size() * sizeof(glm::vec4);
       if (sdf.placement == voml::Placement::seeded) {
         count_lookup(placed_boxes(sdf, module_), sdf.index_size, glm::dvec3(0.0), bytes);
       }
@@ -223,7 +225,8 @@ class StockTaking {
 
   void count_lookup(const std::vector<PlacedBox>& boxes, const glm::uvec3& wish, const glm::dvec3& frame_error,
                     RecordBytes& bytes) {
-    const Lookup lookup = build_lookup(boxes, enabled(options_, "index") ? wish : glm::uvec3(1), frame_error);
+    const IndexOptions index = index_options(options_);
+    const Lookup lookup = build_lookup(boxes, index.use ? wish : glm::uvec3(1), frame_error, index.refine);
     bytes.cells += lookup.cells.size() * sizeof(std::uint32_t);
     bytes.lists += lookup.lists.size() * sizeof(std::uint32_t);
     if (boxes.size() < 2) return;

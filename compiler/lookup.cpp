@@ -72,6 +72,14 @@ glm::uvec3 choose_size(std::span<const Box> boxes, const Box& extent) {
   return glm::uvec3(glm::clamp(glm::ceil(width / edge), glm::dvec3(1.0), glm::dvec3(256.0)));
 }
 
+std::uint64_t cells_of(const glm::uvec3& size) { return std::uint64_t{size.x} * size.y * size.z; }
+
+glm::uvec3 wanted_size(std::span<const Box> boxes, const Box& extent, const glm::uvec3& wish, bool refine) {
+  if (wish != glm::uvec3(0) && (!refine || wish == glm::uvec3(1))) return wish;
+  const glm::uvec3 chosen = choose_size(boxes, extent);
+  return cells_of(chosen) >= cells_of(wish) ? chosen : wish;
+}
+
 glm::uvec3 within_budget(glm::uvec3 size) {
   size = glm::max(size, glm::uvec3(1));
   while (static_cast<std::uint64_t>(size.x) * size.y > max_cells || std::uint64_t{size.x} * size.y * size.z > max_cells) {
@@ -167,7 +175,7 @@ std::span<const std::uint32_t> Lookup::at(const glm::dvec3& p) const {
 }
 
 Lookup build_lookup(std::span<const PlacedBox> placements, const glm::uvec3& wish,
-                    const glm::dvec3& frame_error) {
+                    const glm::dvec3& frame_error, bool refine) {
   std::vector<Box> boxes;
   boxes.reserve(placements.size());
   for (const PlacedBox& placed : placements) boxes.push_back(frame_bounds(placed));
@@ -176,7 +184,7 @@ Lookup build_lookup(std::span<const PlacedBox> placements, const glm::uvec3& wis
   const Box extent = union_of(boxes);
   grid.lo = extent.lo;
   grid.hi = extent.hi;
-  grid.size = within_budget(wish == glm::uvec3(0) ? choose_size(boxes, extent) : wish);
+  grid.size = within_budget(wanted_size(boxes, extent, wish, refine));
 
   // Step 1: coarser cells while placements overlap so much that the work or the lists would be huge.
   // Step 2: counts of entries become starts. Step 3: fill, placements ascending.

@@ -18,6 +18,7 @@ enum class Codegen : std::uint8_t {
   specialised,  ///< the scene is the program
   table,        ///< records and one generic loop, as the thesis does it
   thesis,       ///< table with the errors of the published implementation (spec/thesis.md): for comparisons only
+  automatic,    ///< of specialised and table what the device's costs say, object by object
 };
 
 /// The entry points of a program; each is a compute shader of its own (interfaces: shaders/points.comp, pixels.comp).
@@ -116,7 +117,7 @@ std::vector<float> time_values(std::span<const TimeFunction> functions, double t
 class Judge;
 
 struct Program {
-  Codegen codegen = Codegen::specialised;
+  Codegen codegen = Codegen::automatic;
   std::vector<Buffer> buffers;
   std::vector<Texture> textures;
   std::string glsl[kernel_count];

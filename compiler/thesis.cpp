@@ -262,7 +262,7 @@ std::optional<Atlas> pack_thesis_atlas(std::span<const voml::Grid> grids, std::u
 }
 
 Records flatten_thesis(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas) {
-  return ThesisFlattening(flatten(module, grid_atlas, bitmap_atlas, false)).run(module);
+  return ThesisFlattening(flatten(module, grid_atlas, bitmap_atlas, {.use = false})).run(module);
 }
 
 }  // namespace dmvv::compiler

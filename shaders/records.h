@@ -27,6 +27,8 @@ using uvec4 = glm::uvec4;
 #define DMVV_BIND_TIME 10  // float[]: what depends on time alone, computed on the CPU for each frame
 #define DMVV_BIND_TAPE_CELLS 14  // uint[]: a cell's side if it is known, else its tape
 #define DMVV_BIND_TAPES 15       // uvec2[]: for each tape (instructions, 0), then its instructions (compiler/snippet/tape.h)
+#define DMVV_BIND_PARAMETERS 11  // uvec4[]: what differs between functions of one shape
+#define DMVV_BIND_SCALINGS 12  // vec4[]: seeds that only scale and move, q = p * w + xyz
 
 // ---- bindings of descriptor set 1 ----
 // kernel `points`
@@ -69,6 +71,7 @@ using uvec4 = glm::uvec4;
 // Registers of a tape: p.x, p.y, p.z, the constant of the instruction, and others.
 #define DMVV_TAPE_CONSTANT 3u
 #define DMVV_TAPE_FIRST_FREE 4u
+#define DMVV_FAMILY_BITS 10
 
 #define DMVV_NO_FUNCTION 0xffffffffu
 #define DMVV_NO_REGION 0xffffffffu
@@ -167,7 +170,7 @@ struct PlacementRecord {
   uint object;  // candidates only
   uint tiled;
   uint candidate;  // number within the region; set where a list holds placements instead of their indices (thesis)
-  uint pad0;
+  uint united;     // row of the object's parameters << DMVV_FAMILY_BITS | family (compiler/families.h); else 0
 };
 
 // ---- verdict trees (compiler/verdict_tree.h) ----

@@ -15,7 +15,7 @@
 #include <set>
 #include <span>
 
-#include "compiler/generate_glsl.h"
+#include "compiler/glsl_text.h"
 #include "compiler/snippet/device_functions.h"
 #include "compiler/snippet/emit_glsl.h"
 #include "compiler/snippet/snippet.h"
@@ -25,7 +25,7 @@ namespace dmvv::compiler::snippet {
 
 namespace {
 
-constexpr std::size_t longest_inlined = 96;  // characters of an expression that is written into another
+constexpr std::size_t longest_inlined = 64;  // characters of an expression that is written into another, literals not counted
 constexpr int most_nested = 60;              // branches that replace the exits of a block
 /// Rounds of a loop on a device; lavapipe allows as many to a shader invocation. Loops that do not end were refused.
 constexpr int most_rounds = 65535;
@@ -273,6 +273,12 @@ bool never_ends(const Sequence& sequence) {
   return last.kind == Node::Kind::branch && never_ends(last.body) && never_ends(last.other);
 }
 
+/// Characters but for those of numbers: snippets that differ in constants alone are written alike (compiler/families.h).
+std::size_t length_without_numbers(std::string_view text) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(text, [](char c) { return std::string_view("0123456789.-").find(c) == std::string_view::npos; }));
+}
+
 bool leaves(const Sequence& sequence) {
   return std::ranges::any_of(sequence, [](const Node& node) {
     if (node.kind == Node::Kind::leave) return true;
@@ -402,6 +408,16 @@ class Emitter {
     }
   }
 
+  /// Does nothing but initialisers change the array, and are these constants?
+  bool is_table(Register array) const {
+    for (std::uint32_t i = 0; i < program_.instructions.size(); ++i) {
+      const auto& [op, result, operands] = program_.instructions[i];
+      if (info(op).result != '-' || operands[0] != array) continue;
+      if (!is_initial_.contains(i) || !program_.is_constant(operands[2])) return false;
+    }
+    return true;
+  }
+
   /// A variable whose first mention is an assignment outside of all control flow is declared there.
   void find_first_mentions(const Sequence& nodes, bool outermost) {
     mentioned_.resize(program_.register_count(), false);
@@ -440,8 +456,8 @@ class Emitter {
   void declare_arrays() {
     for (std::size_t a = 0; a < elements_.size(); ++a) {
       if (elements_[a].empty()) continue;
-      line("{0} a{1}[{2}] = {0}[{2}]({3});", type_name(program_.arrays[a].type), a, elements_[a].size(),
-           fmt::join(elements_[a], ", "));
+      line("{4}{0} a{1}[{2}] = {0}[{2}]({3});", type_name(program_.arrays[a].type), a, elements_[a].size(),
+           fmt::join(elements_[a], ", "), is_table(static_cast<Register>(a)) ? "const " : "");
     }
   }
 
@@ -551,7 +567,7 @@ class Emitter {
     const bool is_load = table.operands[0] == 'a';
     Expression value = is_load ? element(instruction.operands[0], instruction.operands[1]) : expression_of(instruction);
     if (program_.is_variable(instruction.result)) return assign(instruction.result, value.text, i);
-    if (uses_[instruction.result] == 1 && value.text.size() <= longest_inlined) {
+    if (uses_[instruction.result] == 1 && length_without_numbers(value.text) <= longest_inlined) {
       waiting_.emplace(instruction.result, std::move(value));
     } else {
       declare(instruction.result, value.text);

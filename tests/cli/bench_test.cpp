@@ -36,8 +36,9 @@ TEST_CASE("a scene is measured with every setting: table, JSON and plots") {
     CHECK(entry["peak_bytes"] > 0);
   }
   CHECK(variants == std::vector<std::string>{"specialised", "table", "thesis", "camera held", "nothing moves",
-                                             "no merge-assets", "no prune-sides", "no drop-unreachable", "no index",
-                                             "no fold-affine", "no box-tests", "no tapes", "no shorten-tapes", "no pixel-list"});
+                                             "no merge-assets", "no prune-sides", "no drop-unreachable", "no index", "no refine-index",
+                                             "no fold-affine", "no unite-shapes", "no box-tests", "no tapes", "no shorten-tapes",
+                                             "no pixel-list"});
   const std::string plot = folder.read("plots/settings_nested.svg");
   CHECK(plot.find("<svg") != std::string::npos);
   CHECK(plot.find("frame of") != std::string::npos);

@@ -45,13 +45,20 @@ void object_1(vec3 p, uint level) {
 void object_0(vec3 p, uint level) {
   // BASE: 2 candidates
   {
-    uvec2 range = find_cell(p, vec3(-0.90000033), vec3(0.55555534), uvec3(1u, 1u, 1u), 0u);
+    uvec2 range = find_cell(p, vec3(-0.90000033, -0.90000033, -0.90000033), vec3(0.55555534, 0.55555534, 0.55555534), uvec3(1u, 1u, 1u), 0u);
+    uint i = range.x;
     uint asked = 0u;
-    for (uint i = range.x; i < range.y && hit_number == 0u; ++i) {
-      ++asked;
-      uint c = lists[i];
-      vec3 q = apply(placements[2u + c].local_from_object, p);
-      if (in_cube(q)) {
+    while (i < range.y && hit_number == 0u) {
+      uint c = 0u;
+      vec3 q = p;
+      bool held = false;
+      for (; i < range.y && !held; ++i) {
+        ++asked;
+        c = lists[i];
+        q = apply(placements[2u + c].local_from_object, p);
+        held = in_cube(q);
+      }
+      if (held) {
         uint object = placements[2u + c].object;
         if (object == 1u) object_1(q, level + 1u);
         if (object == 2u) object_2(q, level + 1u, true);

@@ -1,5 +1,6 @@
 #include "compiler/flatten.h"
 #include "compiler/generate_glsl.h"
+#include "compiler/glsl_text.h"
 
 #include <doctest/doctest.h>
 
@@ -199,4 +200,39 @@ TEST_CASE("a mistake in a snippet stops the lowering at its place") {
   CHECK_FALSE(compiler::lower(std::move(scene), diagnostics));
   REQUIRE(diagnostics.all().size() == 1);
   CHECK(diagnostics.all()[0].message.find("'length'") != std::string::npos);
+}
+
+TEST_CASE("seeds that only scale and move are stored and applied as such") {
+  const auto scene = [](const std::string& rotate) {
+    return tests::lowered("<MVV><OBJECT name='A'><SDF name='S' function='true' type='seeding' seedFile='s.txt' rotate='" + rotate +
+                              "' scale='0.1 0.1 0.1'>return length(p) - 0.5;</SDF><REGION name='R' type='color' rgb='1 0 0'/></OBJECT></MVV>",
+                          {{"s.txt", "0 0 0\n0.5 0 0\n0 0.5 0\n"}});
+  };
+  const auto plain = tests::compiled(scene("0 0 0"));
+  CHECK(has(pixels(plain), "vec3 q = p * scaling.w + scaling.xyz;"));
+  CHECK_FALSE(has(pixels(plain), "placements["));
+  CHECK(has(pixels(tests::compiled(scene("0 0 30"))), "placements["));
+  CompileOptions options;
+  options.disabled_passes = {"fold-affine"};
+  CHECK_FALSE(has(pixels(tests::compiled(scene("0 0 0"), options)), "scalings["));
+}
+
+TEST_CASE("objects of a group that differ in numbers share a function; with the pass off each has its own") {
+  std::string text = "<MVV>";
+  for (const char* radius : {"0.5", "0.7", "0.9"}) {
+    text += fmt::format(
+        "<OBJECT name='BALL{0}'><SDF name='S' function='true'>return length(p) - {0};</SDF><REGION name='IN' type='color' "
+        "rgb='1 0 0'/></OBJECT>", radius);
+  }
+  text += "<OBJECT name='ROOT'><REGION name='R' type='empty'>";
+  for (const char* radius : {"0.5", "0.7", "0.9"}) text += fmt::format("<EMBEDDED name='BALL{}' scale='0.5 0.5 0.5'/>", radius);
+  const auto module = tests::lowered(text + "</REGION><MAPPINGS><REGION name='R'/></MAPPINGS></OBJECT></MVV>");
+  const auto united = tests::compiled(module);
+  CHECK(has(pixels(united), "_united(row, q, level + 1u);"));
+  CHECK_FALSE(has(pixels(united), "if (object == "));
+  CompileOptions options;
+  options.disabled_passes = {"unite-shapes"};
+  const auto apart = tests::compiled(module, options);
+  CHECK_FALSE(has(pixels(apart), "_united"));
+  CHECK(has(pixels(apart), "if (object == "));
 }

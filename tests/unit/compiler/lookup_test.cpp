@@ -30,6 +30,18 @@ bool holds(const compiler::PlacedBox& box, const glm::dvec3& p) {
 
 }  // namespace
 
+TEST_CASE("refined, an author's size counts only if it has more cells than would be chosen") {
+  tests::Random random(6);
+  const auto boxes = random_boxes(random, 400, 0.01, 0.1);
+  const auto size = [&](const glm::uvec3& wish, bool refine) {
+    return compiler::build_lookup(boxes, wish, glm::dvec3(0.0), refine).size;
+  };
+  CHECK(size(glm::uvec3(3), false) == glm::uvec3(3));
+  CHECK(size(glm::uvec3(3), true) == size(glm::uvec3(0), false));
+  CHECK(size(glm::uvec3(100), true) == glm::uvec3(100));
+  CHECK(size(glm::uvec3(1), true) == glm::uvec3(1));
+}
+
 TEST_CASE("every placement that holds a point is listed there, in order") {
   tests::Random random(5);
   for (const glm::uvec3 wish : {glm::uvec3(0), glm::uvec3(1), glm::uvec3(7, 3, 5), glm::uvec3(40)}) {

@@ -1,6 +1,10 @@
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
+#include <memory>
+#include <unistd.h>
 
+#include "runtime/calibrate.h"
 #include "runtime/gpu.h"
 #include "support.h"
 
@@ -73,4 +77,31 @@ TEST_CASE("the validation layer is heard, also about synchronisation") {
   const auto messages = watched.validation_messages();
   REQUIRE(messages.size() == 1);
   CHECK(messages[0].find("SYNC-HAZARD-WRITE-AFTER-WRITE") != std::string::npos);
+}
+
+TEST_CASE("a device's costs are measured once and kept; without a cache it counts as one of its kind") {
+  const auto folder = std::filesystem::temp_directory_path() / ("dmvv_costs_" + std::to_string(::getpid()));
+  {
+    const auto cache = std::make_shared<const runtime::DiskCache>(folder.string());
+    runtime::DeviceOptions options;
+    options.cache = cache;
+    Device device = must(Device::create(options));
+    const bool is_cpu = device.info().kind == "cpu";
+    const compiler::DeviceCosts of_kind = is_cpu ? compiler::costs_of_cpu() : compiler::costs_of_gpu();
+    CHECK(runtime::costs_of(device) == of_kind);
+    runtime::calibrate(device);
+    const compiler::DeviceCosts measured = runtime::costs_of(device);
+    CHECK_FALSE(measured == of_kind);
+    CHECK(measured.line > 0.0);
+    CHECK(measured.sample > measured.line);
+    CHECK(measured.skipping >= 0.0);
+    CHECK(measured.skipping <= 1.0);
+    runtime::calibrate(device);
+    CHECK(runtime::costs_of(device) == measured);
+
+    Device plain = must(Device::create({}));
+    runtime::calibrate(plain);
+    CHECK(runtime::costs_of(plain) == of_kind);
+  }
+  std::filesystem::remove_all(folder);
 }

@@ -1,0 +1,66 @@
+#include <fmt/format.h>
+
+#include "compiler/generate_glsl.h"
+#include "compiler/shader_text.h"
+
+namespace dmvv::compiler {
+
+namespace {
+
+std::string bindings(const Uses& uses) {
+  std::string text;
+  const auto sampler = [&](const char* slot, const char* name) {
+    text += fmt::format("layout(set = 0, binding = {}) uniform sampler3D {};\n", slot, name);
+  };
+  const auto buffer = [&](const char* slot, const char* block, const char* type, const char* name) {
+    text += fmt::format("layout(set = 0, binding = {}, std430) readonly buffer {} {{ {} {}[]; }};\n", slot, block, type,
+                        name);
+  };
+  if (uses.grid_atlas) sampler("DMVV_BIND_GRID_ATLAS", "grid_atlas");
+  if (uses.bitmap_atlas) sampler("DMVV_BIND_BITMAP_ATLAS", "bitmap_atlas");
+  if (uses.placements) buffer("DMVV_BIND_PLACEMENTS", "Placements", "PlacementRecord", "placements");
+  if (uses.lists) buffer("DMVV_BIND_CELLS", "Cells", "uint", "cells");
+  if (uses.lists) buffer("DMVV_BIND_LISTS", "Lists", "uint", "lists");
+  if (uses.walker) {
+    buffer("DMVV_BIND_NODES", "Nodes", "NodeRecord", "nodes");
+    buffer("DMVV_BIND_SDFS", "Sdfs", "SdfRecord", "sdfs");
+    buffer("DMVV_BIND_GROUPS", "Groups", "GroupRecord", "groups");
+    buffer("DMVV_BIND_OBJECTS", "Objects", "uint", "objects");
+  }
+  if (uses.tapes) buffer("DMVV_BIND_TAPE_CELLS", "TapeCells", "uint", "tape_cells");
+  if (uses.tapes) buffer("DMVV_BIND_TAPES", "Tapes", "uvec2", "tapes");
+  if (uses.scalings) buffer("DMVV_BIND_SCALINGS", "Scalings", "vec4", "scalings");
+  if (uses.parameters) buffer("DMVV_BIND_PARAMETERS", "Parameters", "uvec4", "parameters");
+  if (uses.time) buffer("DMVV_BIND_TIME", "TimeValues", "float", "time_values");
+  if (uses.walker || uses.region_colors) buffer("DMVV_BIND_REGIONS", "Regions", "RegionRecord", "regions");
+  return text;
+}
+
+}  // namespace
+
+std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Kernel kernel) {
+  const Uses& uses = evaluation.uses;
+  const bool own_filter = uses.grid_atlas && evaluation.filter != Filter::hardware;
+  std::string text = "#version 460\n";
+  text += fmt::format("#define DMVV_DEPTH {}\n", depth);
+  if (kernel == Kernel::points) text += "#define DMVV_PATHS\n";
+  if (uses.lists) text += "#define DMVV_LISTS\n";
+  if (uses.grid_atlas) text += "#define DMVV_GRIDS\n";
+  if (own_filter) text += "#define DMVV_FILTER\n";
+  if (own_filter && evaluation.filter == Filter::tricubic) text += "#define DMVV_TRICUBIC\n";
+  if (!evaluation.functions.empty()) text += "#define DMVV_FUNCTIONS\n";
+  text += shader_text::records;
+  text += bindings(uses);
+  if (kernel == Kernel::pixels) text += shader_text::surface;
+  if (kernel == Kernel::pixels) text += shader_text::pixel_io;
+  text += shader_text::evaluate;
+  if (own_filter) text += shader_text::filter;
+  text += evaluation.functions;
+  if (uses.walker) text += evaluation.codegen == Codegen::thesis ? shader_text::walk_thesis : shader_text::walk;
+  text += "\n// ---- the scene ----\n";
+  text += evaluation.glsl;
+  text += kernel == Kernel::points ? shader_text::points : shader_text::pixels;
+  return text;
+}
+
+}  // namespace dmvv::compiler

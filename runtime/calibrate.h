@@ -1,0 +1,18 @@
+// What a device's arithmetic, fetches and branches cost, measured with a handful of small programs.
+#pragma once
+
+#include "compiler/cost_model.h"
+#include "runtime/runtime.h"
+
+namespace dmvv::runtime {
+
+/// The costs that `calibrate` kept for this device and driver in the device's cache; those of its kind if there are
+/// none. They choose between forms of code whose answers are the same. Cost: reading one file.
+compiler::DeviceCosts costs_of(const Device& device);
+
+/// Measures a device's costs and keeps them in its cache, unless they are there already; does nothing without a cache.
+/// A device that cannot be measured (a driver that fails, no time stamps) goes on counting as one of its kind. Cost:
+/// once a device and driver, some 0.4 s on lavapipe, most of it the driver's compiler.
+void calibrate(Device& device);
+
+}  // namespace dmvv::runtime
