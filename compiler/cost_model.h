@@ -11,18 +11,18 @@ namespace dmvv::compiler {
 
 /// Of a device; nanoseconds a point, all of the device busy. Only their ratios matter.
 struct DeviceCosts {
-  double line = 0.03;   ///< a line of straight-line code
-  double sample = 3.0;  ///< a value of a distance grid, and the decision on it
-  double search = 8.0;  ///< asking whether a candidate's cube holds the point: entry, placement and test
-  double step = 6.0;    ///< a decision of the walker, without its source of distances
-  double visit = 40.0;  ///< a round of the walker around that: a candidate asked, a group opened, an object left
+  double line = 0.07;   ///< a line of straight-line code
+  double sample = 2.3;  ///< a value of a distance grid, and the decision on it
+  double search = 0.7;  ///< asking whether a candidate's cube holds the point: entry, placement and test
+  double step = 15.0;   ///< a decision of the walker, without its source of distances
+  double visit = 15.0;  ///< a round of the walker around that: a candidate asked, a group opened, an object left
   /// Share of the code behind a false condition that is not paid for: 0 where every branch is executed (lavapipe), near
   /// 1 where a group of points that agree skips it.
   double skipping = 0.0;
   friend bool operator==(const DeviceCosts&, const DeviceCosts&) = default;
 };
 
-/// Measured on lavapipe (Mesa 22.3.6): the defaults.
+/// As runtime::calibrate measures lavapipe (Mesa 22.3.6) on 2 cores: the defaults.
 DeviceCosts costs_of_cpu();
 /// Of a GPU, where nothing was measured: branches skip, and walking costs latency.
 DeviceCosts costs_of_gpu();
