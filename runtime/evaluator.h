@@ -86,7 +86,7 @@ struct Evaluator::Impl {
   vk::raii::DescriptorSet scene_set{nullptr};
 
   // Made when first needed.
-  std::optional<KernelPipeline> points, list;
+  std::optional<KernelPipeline> points, list, count_groups;
   std::map<std::array<vk::Bool32, 3>, KernelPipeline> pixels, classify;  ///< by the specialisation constants
   std::optional<Verdicts> verdicts;
   bool has_drawn = false;  ///< a frame beyond the warm-up: another one may follow, and verdicts pay

@@ -8,6 +8,7 @@
 #include "runtime/evaluator.h"
 #include "spirv/classify_bitmaps_comp.h"
 #include "spirv/classify_comp.h"
+#include "spirv/count_groups_comp.h"
 #include "spirv/list_comp.h"
 
 namespace dmvv::runtime {
@@ -110,8 +111,8 @@ Picture empty_picture(const View& view) {
   const std::size_t pixels = std::size_t{view.size_px.x} * view.size_px.y;
   (view.colors == Colors::bytes ? picture.rgba8.resize(4 * pixels) : picture.rgba.resize(4 * pixels));
   if (view.want_regions) picture.regions.resize(pixels);
-  if (view.want_depth) picture.depth.resize(pixels);
-  if (view.want_positions) picture.positions.resize(pixels);
+  if (view.want_depth) picture.depth.resize(pixels, std::numeric_limits<float>::infinity());
+  if (view.want_positions) picture.positions.resize(pixels, glm::vec3(std::numeric_limits<float>::quiet_NaN()));
   return picture;
 }
 
@@ -318,6 +319,11 @@ void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, con
     bind(lister);
     if (classifies) commands.bindDescriptorSets(compute, *lister.layout, 2, *verdicts->set(), nullptr);
     commands.dispatch(groups, 1, 1);
+    const vk::MemoryBarrier counted{.srcAccessMask = Access::eShaderWrite,
+                                    .dstAccessMask = Access::eShaderRead | Access::eShaderWrite};
+    commands.pipelineBarrier(Stage::eComputeShader, Stage::eComputeShader, {}, counted, nullptr, nullptr);
+    bind(*count_groups);
+    commands.dispatch(1, 1, 1);
     const vk::MemoryBarrier listed{.srcAccessMask = Access::eShaderWrite,
                                    .dstAccessMask = Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead};
     commands.pipelineBarrier(Stage::eComputeShader, Stage::eComputeShader | Stage::eDrawIndirect, {}, listed, nullptr, nullptr);
@@ -376,7 +382,10 @@ Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, con
   const bool has_kernel = pixels.contains(constants);
   if (is_warm && has_frame && has_kernel) return {};
   const Stopwatch watch(timings, "pipeline");
-  if (!list) list = make_pipeline(list_comp, pixel_io, sizeof(gpu::PixelsParams), {});
+  if (!list) {
+    list = make_pipeline(list_comp, pixel_io, sizeof(gpu::PixelsParams), {});
+    count_groups = make_pipeline(count_groups_comp, pixel_io, sizeof(gpu::PixelsParams), {});
+  }
   if (!has_kernel) {
     auto made = make_kernel(compiler::Kernel::pixels, pixel_io, sizeof(gpu::PixelsParams), constants);
     if (!made) return tl::unexpected(std::move(made.error()));
@@ -412,9 +421,10 @@ Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
   Picture picture = empty_picture(view);
   std::size_t unfinished = 0;
   double gpu_ms = 0.0;
-  for (std::uint32_t y = 0; y < shot->size_px.y; y += extent.height) {
-    for (std::uint32_t x = 0; x < shot->size_px.x; x += extent.width) {
-      const Tile tile{{x, y}, glm::min(glm::uvec2(extent.width, extent.height), shot->size_px - glm::uvec2(x, y))};
+  const auto [lo, hi] = shot->seen;
+  for (std::uint32_t y = lo.y; y < hi.y; y += extent.height) {
+    for (std::uint32_t x = lo.x; x < hi.x; x += extent.width) {
+      const Tile tile{{x, y}, glm::min(glm::uvec2(extent.width, extent.height), hi - glm::uvec2(x, y))};
       gpu_ms += render_tile(*shot, tile, passes);
       const TilePixels result = tile_pixels(*frame, tile);
       unfinished += result.counted.unfinished;

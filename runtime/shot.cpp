@@ -135,6 +135,43 @@ void plan_perspective(const View& view, const voml::Bounds& bounds, Shot& shot) 
   shot.pixels.bounds_hi = row(bounds.hi);
 }
 
+/// Around the projections of the corners of a box. `project` gives pixels, or nothing for a corner beside or behind the eye.
+template <class Project>
+PixelRange range_of(const voml::Bounds& box, glm::uvec2 size_px, std::uint32_t samples, Project project) {
+  constexpr double margin_px = 2.0;
+  const glm::dvec2 size(size_px);
+  glm::dvec2 lo = size, hi(0.0);
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 p(corner & 1 ? box.hi.x : box.lo.x, corner & 2 ? box.hi.y : box.lo.y, corner & 4 ? box.hi.z : box.lo.z);
+    const std::optional<glm::dvec2> at = project(p);
+    if (!at) return {glm::uvec2(0), size_px};
+    lo = glm::min(lo, *at - margin_px);
+    hi = glm::max(hi, *at + margin_px);
+  }
+  const glm::dvec2 n(samples);
+  return {glm::uvec2(glm::clamp(glm::floor(lo / n) * n, glm::dvec2(0.0), size)),
+          glm::uvec2(glm::clamp(glm::ceil(hi / n) * n, glm::dvec2(0.0), size))};
+}
+
+PixelRange seen_in_perspective(const Shot& shot, const voml::Bounds& bounds, std::uint32_t samples) {
+  const double nearest = 1e-3 * glm::length(bounds.hi - bounds.lo);
+  return range_of(bounds, shot.size_px, samples, [&](const glm::dvec3& p) -> std::optional<glm::dvec2> {
+    const double depth = glm::dot(shot.forward, p - shot.eye);
+    if (!(depth > nearest)) return std::nullopt;
+    const glm::dvec2 across(glm::dot(glm::dvec3(shot.raster.right), p - shot.eye), glm::dot(glm::dvec3(shot.raster.down), p - shot.eye));
+    return (across / depth * 0.5 + 0.5) * glm::dvec2(shot.size_px);
+  });
+}
+
+/// A section of the standard cube lies in its projection onto the plane.
+PixelRange seen_in_slice(const Shot& shot, std::uint32_t samples) {
+  const SliceFrame& slice = *shot.slice;
+  return range_of({glm::dvec3(-1.0), glm::dvec3(1.0)}, shot.size_px, samples, [&](const glm::dvec3& p) -> std::optional<glm::dvec2> {
+    const glm::dvec3 from = p - slice.origin;
+    return glm::dvec2(glm::dot(from, slice.step_x), glm::dot(from, slice.step_y)) / glm::dot(slice.step_x, slice.step_x);
+  });
+}
+
 }  // namespace
 
 Result<Shot> plan_shot(const View& view, const voml::Bounds& bounds, std::uint32_t largest_px) {
@@ -145,8 +182,10 @@ Result<Shot> plan_shot(const View& view, const voml::Bounds& bounds, std::uint32
     shot.slice = slice_frame(*view.slice, shot.size_px);
     shot.pixels.bounds_lo = row(glm::dvec3(-1.0));
     shot.pixels.bounds_hi = row(glm::dvec3(1.0));
+    shot.seen = seen_in_slice(shot, view.samples);
   } else {
     plan_perspective(view, bounds, shot);
+    shot.seen = seen_in_perspective(shot, bounds, view.samples);
   }
   return shot;
 }

@@ -13,8 +13,15 @@
 
 namespace dmvv::runtime {
 
+/// Pixels [lo, hi).
+struct PixelRange {
+  glm::uvec2 lo{0};
+  glm::uvec2 hi{0};
+};
+
 struct Shot {
   glm::uvec2 size_px{0};       ///< what is rendered: the picture times the samples
+  PixelRange seen;             ///< where anything can show; whole pixels of the picture
   gpu::RasterParams raster{};  ///< unused for slices; its tile is set for each tile
   gpu::PixelsParams pixels{};  ///< its size is set for each tile
   bool eye_within = false;     ///< the eye is in the mesh's bounds, and left there: it may see the solid from within

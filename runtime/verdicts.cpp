@@ -7,12 +7,13 @@
 namespace dmvv::runtime {
 namespace {
 
-constexpr std::size_t most_words = std::size_t{2} << 20;     // of each tree: 8 MiB, and as much for their hits
+constexpr std::size_t most_words = std::size_t{4} << 20;     // of each tree: 16 MiB, and as much for their hits
 constexpr std::size_t most_outcomes = std::size_t{1} << 15;  // of each tree: 3.5 MiB
-constexpr std::size_t enough_cells = 16;  // to be measured
+constexpr double memory_of_splits = 0.9;
 constexpr std::uint32_t least_hits = 8, most_hits = 1u << 20;
 constexpr double frames_a_span = 16.0;
 constexpr std::uint32_t longest_pause = 256;
+constexpr std::uint32_t most_frames_full = 600;
 constexpr std::array<std::uint32_t, 4> bindings_of_tree{DMVV_BIND_VERDICT_WORDS, DMVV_BIND_VERDICT_HITS, DMVV_BIND_OUTCOMES,
                                       DMVV_BIND_BUSY_CELLS};
 
@@ -100,19 +101,22 @@ void Verdicts::judge_span() {
     next_pause_ = 1;
   }
   spent_ns_ = saved_ns_ = 0.0;
+  first_count_ = 0;
 }
 
 // ---- splitting ----
 
 std::uint32_t Verdicts::hits_to_split() const {
   if (ns_a_pixel_ == 0.0) return most_hits;
-  return static_cast<std::uint32_t>(std::clamp(ns_a_cell_ / ns_a_pixel_, double{least_hits}, double{most_hits}));
+  return static_cast<std::uint32_t>(std::clamp(0.5 * ns_a_cell() / ns_a_pixel_, double{least_hits}, double{most_hits}));
 }
 
 void Verdicts::fill(gpu::PixelsParams& params) const {
   params.hits_to_split = hits_to_split();
   params.first_span_word = span_.tree ? most_words : 0;
   params.first_span_outcome = most_outcomes;
+  // While time goes on, what is found to stand still or to be the same for ever is worth more than what holds for a span.
+  params.counts_both = judge_->is_animated() && (!times_ || times_->span_ms().lo < times_->span_ms().hi);
 }
 
 void Verdicts::end_frame(const gpu::PixelListHeader& counted, double ms) {
@@ -121,10 +125,12 @@ void Verdicts::end_frame(const gpu::PixelListHeader& counted, double ms) {
     most_evaluated_ = std::max<std::size_t>(most_evaluated_, counted.count);
     ns_a_pixel_ = 1e6 * ms / counted.count;
   }
-  saved_ns_ += ns_a_pixel_ * counted.decided_by_span;
+  // What the span's verdicts save is seen against its first frame, which has few of them.
+  first_count_ = std::max(first_count_, counted.count);
+  saved_ns_ += ns_a_pixel_ * (first_count_ - counted.count);
   const auto busy = mapped<std::uint32_t>(busy_);
   const auto named = std::min<std::size_t>(busy.front(), DMVV_MOST_BUSY_CELLS);
-  const auto affordable = static_cast<std::size_t>(1e6 * ms / ns_a_cell_) + 1;
+  const auto affordable = static_cast<std::size_t>(1e6 * ms / ns_a_cell()) + 1;
   const auto cells = busy.subspan(1, std::min(named, affordable));
   const auto of_span = std::ranges::partition(cells, [](std::uint32_t cell) { return cell < most_words; });
   for (std::uint32_t& cell : of_span) cell -= most_words;
@@ -135,7 +141,9 @@ void Verdicts::end_frame(const gpu::PixelListHeader& counted, double ms) {
 void Verdicts::split(Grove& grove, std::span<const std::uint32_t> cells) {
   using Clock = std::chrono::steady_clock;
   if (cells.empty()) return;
-  if (grove.tree->is_full()) {  // what is looked at now is worth more than what was
+  if (grove.tree->is_full()) {  // after a while, what is looked at is worth more than what was
+    if (++grove.frames_full < most_frames_full) return;
+    grove.frames_full = 0;
     const compiler::Judge::Times& times = &grove == &span_ ? *times_ : judge_->always();
     grove.tree.emplace(*judge_, times, grove.memory);
     return;
@@ -143,7 +151,8 @@ void Verdicts::split(Grove& grove, std::span<const std::uint32_t> cells) {
   const auto start = Clock::now();
   const std::size_t count = grove.tree->split(cells);
   const double ns = std::chrono::duration<double, std::nano>(Clock::now() - start).count();
-  if (count >= enough_cells) ns_a_cell_ = ns / static_cast<double>(count);
+  split_ns_ = memory_of_splits * split_ns_ + ns;
+  split_cells_ = memory_of_splits * split_cells_ + static_cast<double>(count);
   if (&grove == &span_) spent_ns_ += ns;
 }
 

@@ -11,11 +11,11 @@ namespace dmvv::runtime {
 
 /// What is proven of a scene: in one tree for ever, in another for the span of time in which the frames are.
 ///
-/// Rent or buy: a cell is split when the pixels that it left to be evaluated have cost as much as splitting it. So what is
-/// spent on proofs is at most what was spent on evaluation, and twice the best that could have been done.
+/// Rent or buy: a cell is split when the pixels that it left to be evaluated have cost half as much as splitting it. So what
+/// is spent on proofs is at most twice what was spent on evaluation.
 class Verdicts {
  public:
-  /// Memory: 40 MiB on the device at most, which the host writes.
+  /// Memory: 72 MiB on the device at most, which the host writes.
   Verdicts(const Device::Impl& gpu, std::shared_ptr<const compiler::Judge> judge);
 
   const vk::raii::DescriptorSetLayout& layout() const { return layout_; }
@@ -33,6 +33,7 @@ class Verdicts {
   struct Grove {
     compiler::VerdictTree::Memory memory;
     std::optional<compiler::VerdictTree> tree;
+    std::uint32_t frames_full = 0;  ///< in which there were cells to split and no memory
   };
   void begin_span(double time_ms);
   void judge_span();
@@ -52,10 +53,12 @@ class Verdicts {
 
   double ns_a_pixel_ = 0.0;  ///< of evaluation, as last measured on many pixels; 0: not yet
   std::size_t most_evaluated_ = 0;
-  double ns_a_cell_ = 5e4;   ///< of splitting, as last measured
+  double split_ns_ = 5e5, split_cells_ = 10.0;  ///< what splitting cost lately, and of how many cells
+  double ns_a_cell() const { return split_ns_ / split_cells_; }
 
   // Whether spans pay.
   double spent_ns_ = 0.0, saved_ns_ = 0.0;  ///< in this span
+  std::uint32_t first_count_ = 0;           ///< most pixels that a frame of it had to evaluate
   std::uint32_t pause_ = 0, next_pause_ = 1;  ///< frames without a span, now and after the next that does not pay
 };
 

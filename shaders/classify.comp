@@ -41,17 +41,17 @@ void main() {
   uint word = verdict_words[cell];
   bool is_still = (word & (DMVV_VERDICT_DECIDED | DMVV_VERDICT_STILL)) != 0u;
   if (params.keeps_still != 0u && is_still) return;
-  uint first_outcome = 0u;
+  uint counted = cell, first_outcome = 0u;
   if (!is_still && params.first_span_word != 0u) {
     cell = find_verdict(p, params.first_span_word);
     word = verdict_words[cell];
     first_outcome = params.first_span_outcome;
-    if ((word & DMVV_VERDICT_DECIDED) != 0u) atomicAdd(list.header.decided_by_span, 1u);
+    if (params.counts_both == 0u || ((pixel.x + pixel.y) & 1u) != 0u) counted = cell;
   }
   if ((word & DMVV_VERDICT_DECIDED) != 0u) {
     store_outcome(pixel, first_outcome + (word & DMVV_VERDICT_VALUE), p, surface);
   } else {
     list_pixel(pixel);
-    if ((word & DMVV_VERDICT_FINAL) == 0u) count_hit(cell, params.hits_to_split);
+    if ((verdict_words[counted] & DMVV_VERDICT_FINAL) == 0u) count_hit(counted, params.hits_to_split);
   }
 }

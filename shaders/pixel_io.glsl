@@ -31,11 +31,8 @@ bool find_pixel(out uvec2 pixel) {
   return pixel.x < params.width && pixel.y < params.height;
 }
 
-void list_pixel(uvec2 pixel) {
-  uint slot = atomicAdd(list.header.count, 1u);
-  list.pixels[slot] = pixel.x | pixel.y << 16u;
-  if (slot % DMVV_PIXELS_GROUP_SIZE == 0u) atomicAdd(list.header.groups_x, 1u);
-}
+// As many groups as the list needs are counted by `count_groups`: lavapipe pays for every atomic, taken or not.
+void list_pixel(uvec2 pixel) { list.pixels[atomicAdd(list.header.count, 1u)] = pixel.x | pixel.y << 16u; }
 
 // The point of root coordinates that a surface texel stands for.
 vec3 surface_point(uvec4 surface) { return clamp(surface_position(surface), params.bounds_lo.xyz, params.bounds_hi.xyz); }

@@ -94,16 +94,16 @@ struct PixelsParams {
   uint keeps_still;    // `classify`: 1 if the images hold these pixels as of another time
   uint first_span_word;     // `classify`: of the tree for a span of time; 0: there is none
   uint first_span_outcome;
-  uint pad0, pad1;
+  uint counts_both;        // `classify`: 1 if half of the hits count for what may hold for ever
+  uint pad0;
 };
 
 // What `list` counts, and an indirect dispatch reads.
 struct PixelListHeader {
-  uint groups_x, groups_y, groups_z;  // of `pixels`; 0, 1, 1 before `list`
+  uint groups_x, groups_y, groups_z;  // of `pixels`; 0, 1, 1 before `count_groups`
   uint count;                         // pixels in the list
   uint unfinished;                    // pixels for which the loop rounds of the device did not suffice
-  uint decided_by_span;               // pixels that the verdicts of a span of time answered
-  uint pad0, pad1;
+  uint pad0, pad1, pad2;
 };
 
 // The highest bit of a surface texel's w: there is a surface.
