@@ -193,8 +193,8 @@ void Planner::sampling() {
 void Planner::growth(bool whole_range) {
   using Values = std::vector<std::uint32_t>;
   const bool quick = options_.quick;
-  const std::vector<std::string> ours{"specialised"};
-  const std::vector<std::string> both = quick ? ours : std::vector<std::string>{"specialised", "table"};
+  const std::vector<std::string> ours{"auto"};
+  const std::vector<std::string> both = quick ? ours : std::vector<std::string>{"auto", "table"};
   grow("objects", "objects", quick ? Values{100, 1000, 10000} : Values{100, 1000, 10000, 100000, 1000000}, ours, many_objects);
   grow("tree depth", "decisions", quick ? Values{4, 16} : Values{1, 2, 4, 8, 16, 32, 64}, both,
        [](std::uint32_t depth) { return decision_tree(TreeForm::chain, Source::analytic, depth); });
@@ -205,7 +205,7 @@ void Planner::growth(bool whole_range) {
                                               : std::vector<glm::uvec2>{{160, 90}, {320, 180}, {640, 360}, {1280, 720}, {1920, 1080}, {2560, 1440}};
   for (const glm::uvec2& size : sizes) {
     const double pixels = static_cast<double>(size.x) * size.y;
-    Case& made = add("growth", "picture", "specialised", Parameter{"pixels", pixels}, "picture",
+    Case& made = add("growth", "picture", "auto", Parameter{"pixels", pixels}, "picture",
                      [] { return many_objects(1000); });
     made.id = fmt::format("growth/picture {}x{}/specialised", size.x, size.y);
     made.size_px = size;
@@ -231,7 +231,7 @@ void Planner::code_forms() {
            [=](std::uint32_t depth) { return decision_tree(form, source, depth); });
     }
   }
-  grow("empty", "regions", {1}, {"specialised"}, [](std::uint32_t) { return empty_cube(); });
+  grow("empty", "regions", {1}, {"auto"}, [](std::uint32_t) { return empty_cube(); });
 }
 
 /// Nothing but frames as large as a screen.
@@ -244,7 +244,7 @@ void Planner::lighten(Case& made) {
 
 /// Every example from three views, against the table form and against a frame of one colour; growth; what passes save.
 void Planner::speed() {
-  Case& floor = add("speed", floor_series, "specialised", std::nullopt, floor_series, [] {
+  Case& floor = add("speed", floor_series, "auto", std::nullopt, floor_series, [] {
     SceneSource source = empty_cube();
     source.slice = runtime::Plane{{0.0, 0.0, 1.0}, 0.0};
     return source;
@@ -258,19 +258,20 @@ void Planner::speed() {
       source.name = fmt::format("{}, {}", name, view);
       if (view == "whole") source.cuts.clear();
       if (view == "zoomed") source.zoom = 8.0;
-      for (const char* form : {"specialised", "camera swings", "time goes on", "table"}) {
+      for (const char* form : {"auto", "camera swings", "time goes on", "table"}) {
         if (std::string_view(form) == "time goes on" && !is_animated(name)) continue;
         Case& made = add("speed", source.name, form, std::nullopt, source.name, [source] { return source; });
         const glm::uvec2 compared = made.effort.error_size_px;
         lighten(made);
-        if (std::string_view(form) == "specialised") made.effort.error_size_px = compared;
+        if (std::string_view(form) == "auto") made.effort.error_size_px = compared;
       }
     }
   }
   passes();
-  const std::vector<std::string> ours{"specialised"};
+  const std::vector<std::string> ours{"auto"};
   grow("objects", "objects", options_.quick ? std::vector<std::uint32_t>{100, 10000} : std::vector<std::uint32_t>{100, 1000, 10000, 100000, 1000000},
        ours, many_objects);
+  grow("large snippet", "operations", {8000}, {"auto", "no tapes"}, large_snippet);
   grow("embedding depth", "levels", {1, 4, 12}, ours, nested_objects);
   grow("tree depth", "decisions", {4, 16, 64}, ours,
        [](std::uint32_t depth) { return decision_tree(TreeForm::chain, Source::analytic, depth); });
@@ -310,7 +311,7 @@ void Planner::thesis() {
   for (const auto& [name, figures] : thesis_table()) {
     if (!found(name)) continue;
     const SceneSource source = *example_scene(options_.examples, name);
-    for (const char* form : {"specialised", "table", "thesis"}) {
+    for (const char* form : {"auto", "table", "thesis"}) {
       Case& made = add("thesis", name, form, std::nullopt, name, [source] { return source; });
       made.thesis = figures;
       made.size_px = options_.quick ? glm::uvec2(640, 360) : glm::uvec2(1280, 720);
@@ -329,7 +330,8 @@ void Planner::user_scenes() {
 const std::vector<Variant>& variants() {
   static const std::vector<Variant> table = [] {
     std::vector<Variant> rows{
-        {"specialised", {}, false},
+        {"auto", {}, false},
+        {"specialised", {.codegen = Codegen::specialised}, false},
         {"table", {.codegen = Codegen::table}, false},
         {"thesis", {.codegen = Codegen::thesis}, false},
         {"r16f", {.atlas = TexelFormat::r16f}, true},

@@ -26,7 +26,7 @@ enum class Motion : std::uint8_t {
 
 /// One way to compile and draw a scene.
 struct Settings {
-  compiler::Codegen codegen = compiler::Codegen::specialised;
+  compiler::Codegen codegen = compiler::Codegen::automatic;
   compiler::TexelFormat atlas = compiler::TexelFormat::r32f;
   compiler::Filter filter = compiler::Filter::hardware;
   std::uint32_t samples = 1;  ///< per pixel along each axis

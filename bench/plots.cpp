@@ -130,10 +130,10 @@ std::string file_name(std::string name) {
 double rms(const Measurement& m) { return m.displacement ? m.displacement->rms : 0.0; }
 double parameter(const Measurement& m) { return m.what.parameter ? m.what.parameter->value : 0.0; }
 
-/// Renames "specialised", which in these plots stands for the default atlas and filter.
+/// Renames "auto", which in these plots stands for the default atlas and filter.
 std::vector<Line> with_default_named(std::vector<Line> lines) {
   for (Line& line : lines) {
-    if (line.title == "specialised") line.title = "default (r32f, hardware)";
+    if (line.title == "auto") line.title = "default (r32f, hardware)";
     if (line.title == "table" || line.title == "thesis") line.title += " codegen";
   }
   return lines;

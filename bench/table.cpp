@@ -138,11 +138,11 @@ class GeometricMean {
 std::string speed(const Report& report) {
   TextTable table({"scene, view", "table", "anew", "swings", "time", "table/", "table/", "swings/", "time/", "first", "settle", "differ", "wrong"},
                   {"", "ms", "ms", "ms", "ms", "swings", "time", "floor", "floor", "s", "s", "px", "px"});
-  const double floor = frame_of(find(report, "speed", floor_series, "specialised"));
+  const double floor = frame_of(find(report, "speed", floor_series, "auto"));
   GeometricMean swings_gain, time_gain;
   for (const std::string& series : series_of(report, "speed")) {
     if (series == floor_series) continue;
-    const Measurement* anew = find(report, "speed", series, "specialised");
+    const Measurement* anew = find(report, "speed", series, "auto");
     const Measurement* swings = find(report, "speed", series, "camera swings");
     const Measurement* time = find(report, "speed", series, "time goes on");
     const double base = frame_of(find(report, "speed", series, "table"));

@@ -86,8 +86,8 @@ struct Evaluator::Impl {
   vk::raii::DescriptorSet scene_set{nullptr};
 
   // Made when first needed.
-  std::optional<KernelPipeline> points, list, count_groups;
-  std::map<std::array<vk::Bool32, 3>, KernelPipeline> pixels, classify;  ///< by the specialisation constants
+  std::optional<KernelPipeline> points, list, count_groups, classify, count_hits;
+  std::map<std::array<vk::Bool32, 3>, KernelPipeline> pixels, paint;  ///< by the specialisation constants
   std::optional<Verdicts> verdicts;
   bool has_drawn = false;  ///< a frame beyond the warm-up: another one may follow, and verdicts pay
   std::optional<Rasteriser> rasteriser;

@@ -6,10 +6,12 @@
 #include <limits>
 
 #include "runtime/evaluator.h"
-#include "spirv/classify_bitmaps_comp.h"
 #include "spirv/classify_comp.h"
 #include "spirv/count_groups_comp.h"
+#include "spirv/count_hits_comp.h"
 #include "spirv/list_comp.h"
+#include "spirv/paint_bitmaps_comp.h"
+#include "spirv/paint_comp.h"
 
 namespace dmvv::runtime {
 namespace {
@@ -248,7 +250,7 @@ Frame Evaluator::Impl::make_frame(vk::Extent2D extent, const Wanted& wanted) con
   made.bytes = storage(vk::Format::eR32Uint, as_bytes);
   made.region = storage(vk::Format::eR32Uint, wanted.regions);
   using BufferUse = vk::BufferUsageFlagBits;
-  made.list = gpu.make_buffer(sizeof(gpu::PixelListHeader) + 4 * count,
+  made.list = gpu.make_buffer(sizeof(gpu::PixelListHeader) + 8 * count,
                               BufferUse::eStorageBuffer | BufferUse::eIndirectBuffer | BufferUse::eTransferSrc |
                                   BufferUse::eTransferDst,
                               MemoryUse::device);
@@ -277,21 +279,24 @@ Frame Evaluator::Impl::make_frame(vk::Extent2D extent, const Wanted& wanted) con
 
 /// Made before the second frame: one picture alone does without.
 void Evaluator::Impl::make_verdicts(const Wanted& wanted) {
-  if (!verdicts) verdicts.emplace(gpu, judge);
-  auto constants = kernel_constants(wanted, {});
-  if (classify.contains(constants)) return;
-  std::array stage_constants = constants;
-  stage_constants[DMVV_CONST_LISTED] = VK_FALSE;
-  const std::span<const std::uint32_t> code_words =
-      has_bitmaps ? std::span<const std::uint32_t>(classify_bitmaps_comp) : std::span<const std::uint32_t>(classify_comp);
-  classify.emplace(constants, make_pipeline(code_words, pixel_io, sizeof(gpu::PixelsParams), stage_constants, &verdicts->layout()));
+  const auto make = [&](std::span<const std::uint32_t> words, std::span<const vk::Bool32> constants) {
+    return make_pipeline(words, pixel_io, sizeof(gpu::PixelsParams), constants, &verdicts->layout());
+  };
+  if (!verdicts) {
+    verdicts.emplace(gpu, judge);
+    classify = make(classify_comp, {});
+    count_hits = make(count_hits_comp, {});
+  }
+  const auto constants = kernel_constants(wanted, {});
+  if (paint.contains(constants)) return;
+  paint.emplace(constants, has_bitmaps ? make(paint_bitmaps_comp, constants) : make(paint_comp, constants));
 }
 
 /// Lists the pixels that show a surface and that no verdict answers, and evaluates those; or all.
 void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, const gpu::PixelsParams& params,
                                     const FramePasses& passes, bool classifies) {
   const bool kept = params.keeps_still != 0, as_bytes = frame->wanted.colors == Colors::bytes;
-  const gpu::PixelListHeader nothing{0, 1, 1, 0, 0, 0, 0, 0};
+  const gpu::PixelListHeader nothing{0, 1, 1, 0, 1, 1, {0, 0}, 0, 0, 0, 0};
   commands.updateBuffer<gpu::PixelListHeader>(*frame->list.buffer, 0, nothing);
   commands.pipelineBarrier(Stage::eTransfer, Stage::eComputeShader | Stage::eTransfer, {}, nullptr, nullptr,
                            {begin_writing(frame->color, kept && !as_bytes), begin_writing(frame->bytes, kept && as_bytes),
@@ -314,26 +319,35 @@ void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, con
     commands.bindDescriptorSets(compute, *kernel.layout, 0, {*scene_set, *frame->io_set}, nullptr);
     commands.pushConstants<gpu::PixelsParams>(*kernel.layout, vk::ShaderStageFlagBits::eCompute, 0, params);
   };
-  if (passes.pixel_list) {
-    const KernelPipeline& lister = classifies ? classify.at(kernel_constants(frame->wanted, passes)) : *list;
-    bind(lister);
-    if (classifies) commands.bindDescriptorSets(compute, *lister.layout, 2, *verdicts->set(), nullptr);
+  const auto bind_verdicts = [&](const KernelPipeline& kernel) {
+    bind(kernel);
+    commands.bindDescriptorSets(compute, *kernel.layout, 2, *verdicts->set(), nullptr);
+  };
+  const auto wait = [&](vk::AccessFlags more, vk::PipelineStageFlags stages) {
+    const vk::MemoryBarrier written{.srcAccessMask = Access::eShaderWrite,
+                                    .dstAccessMask = Access::eShaderRead | Access::eShaderWrite | more};
+    commands.pipelineBarrier(Stage::eComputeShader, Stage::eComputeShader | stages, {}, written, nullptr, nullptr);
+  };
+  const KernelPipeline& evaluates = pixels.at(kernel_constants(frame->wanted, passes));
+  if (!passes.pixel_list) {
+    bind(evaluates);
     commands.dispatch(groups, 1, 1);
-    const vk::MemoryBarrier counted{.srcAccessMask = Access::eShaderWrite,
-                                    .dstAccessMask = Access::eShaderRead | Access::eShaderWrite};
-    commands.pipelineBarrier(Stage::eComputeShader, Stage::eComputeShader, {}, counted, nullptr, nullptr);
-    bind(*count_groups);
-    commands.dispatch(1, 1, 1);
-    const vk::MemoryBarrier listed{.srcAccessMask = Access::eShaderWrite,
-                                   .dstAccessMask = Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead};
-    commands.pipelineBarrier(Stage::eComputeShader, Stage::eComputeShader | Stage::eDrawIndirect, {}, listed, nullptr, nullptr);
+    return;
   }
-  bind(pixels.at(kernel_constants(frame->wanted, passes)));
-  if (passes.pixel_list) {
+  classifies ? bind_verdicts(*classify) : bind(*list);
+  commands.dispatch(groups, 1, 1);
+  wait({}, {});
+  bind(*count_groups);
+  commands.dispatch(1, 1, 1);
+  wait(Access::eIndirectCommandRead, Stage::eDrawIndirect);
+  if (classifies) {
+    bind_verdicts(paint.at(kernel_constants(frame->wanted, passes)));
+    commands.dispatchIndirect(*frame->list.buffer, offsetof(gpu::PixelListHeader, paint_groups_x));
+    bind_verdicts(*count_hits);
     commands.dispatchIndirect(*frame->list.buffer, 0);
-  } else {
-    commands.dispatch(groups, 1, 1);
   }
+  bind(evaluates);
+  commands.dispatchIndirect(*frame->list.buffer, 0);
 }
 
 double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const FramePasses& passes) {

@@ -81,6 +81,7 @@ void Verdicts::begin_frame(double time_ms) {
 void Verdicts::begin_span(double time_ms) {
   judge_span();
   span_.tree.reset();
+  span_.busy.clear();
   times_.reset();
   const double end = has_time_ ? time_ms + (frames_a_span - 1.0) * (time_ms - last_time_ms_) : time_ms;
   if (pause_ > 0 && end != time_ms) {
@@ -121,29 +122,36 @@ void Verdicts::fill(gpu::PixelsParams& params) const {
 
 void Verdicts::end_frame(const gpu::PixelListHeader& counted, double ms) {
   // Few pixels are measured badly: what a frame costs anyway would be counted as theirs.
-  if (2 * counted.count >= most_evaluated_ && counted.count != 0) {
-    most_evaluated_ = std::max<std::size_t>(most_evaluated_, counted.count);
-    ns_a_pixel_ = 1e6 * ms / counted.count;
+  if (2 * counted.counts[0] >= most_evaluated_ && counted.counts[0] != 0) {
+    most_evaluated_ = std::max<std::size_t>(most_evaluated_, counted.counts[0]);
+    ns_a_pixel_ = 1e6 * ms / counted.counts[0];
   }
   // What the span's verdicts save is seen against its first frame, which has few of them.
-  first_count_ = std::max(first_count_, counted.count);
-  saved_ns_ += ns_a_pixel_ * (first_count_ - counted.count);
+  first_count_ = std::max(first_count_, counted.counts[0]);
+  saved_ns_ += ns_a_pixel_ * (first_count_ - counted.counts[0]);
   const auto busy = mapped<std::uint32_t>(busy_);
-  const auto named = std::min<std::size_t>(busy.front(), DMVV_MOST_BUSY_CELLS);
+  const auto hits = mapped<std::uint32_t>(hits_);
+  for (const std::uint32_t cell : busy.subspan(1, std::min<std::size_t>(busy.front(), DMVV_MOST_BUSY_CELLS))) {
+    if ((hits[cell] & DMVV_VERDICT_NOTED) != 0) continue;
+    hits[cell] |= DMVV_VERDICT_NOTED;
+    const bool is_of_span = cell >= most_words;
+    (is_of_span ? span_ : always_).busy.push_back(is_of_span ? cell - static_cast<std::uint32_t>(most_words) : cell);
+  }
   const auto affordable = static_cast<std::size_t>(1e6 * ms / ns_a_cell()) + 1;
-  const auto cells = busy.subspan(1, std::min(named, affordable));
-  const auto of_span = std::ranges::partition(cells, [](std::uint32_t cell) { return cell < most_words; });
-  for (std::uint32_t& cell : of_span) cell -= most_words;
-  split(always_, cells.first(cells.size() - of_span.size()));
-  split(span_, of_span);
+  const std::size_t for_always = std::min(affordable, always_.busy.size());
+  split(always_, for_always);
+  split(span_, affordable - for_always);
 }
 
-void Verdicts::split(Grove& grove, std::span<const std::uint32_t> cells) {
+void Verdicts::split(Grove& grove, std::size_t most_cells) {
   using Clock = std::chrono::steady_clock;
+  const std::vector<std::uint32_t> cells(grove.busy.begin(), grove.busy.begin() + static_cast<std::ptrdiff_t>(std::min(most_cells, grove.busy.size())));
   if (cells.empty()) return;
+  grove.busy.erase(grove.busy.begin(), grove.busy.begin() + static_cast<std::ptrdiff_t>(cells.size()));
   if (grove.tree->is_full()) {  // after a while, what is looked at is worth more than what was
     if (++grove.frames_full < most_frames_full) return;
     grove.frames_full = 0;
+    grove.busy.clear();
     const compiler::Judge::Times& times = &grove == &span_ ? *times_ : judge_->always();
     grove.tree.emplace(*judge_, times, grove.memory);
     return;

@@ -33,12 +33,14 @@ class Verdicts {
   struct Grove {
     compiler::VerdictTree::Memory memory;
     std::optional<compiler::VerdictTree> tree;
+    std::vector<std::uint32_t> busy;  ///< cells that are to be split when there is time, in the order they were named
     std::uint32_t frames_full = 0;  ///< in which there were cells to split and no memory
   };
   void begin_span(double time_ms);
   void judge_span();
   std::uint32_t hits_to_split() const;
-  void split(Grove& grove, std::span<const std::uint32_t> cells);
+  /// Splits the first of the busy cells.
+  void split(Grove& grove, std::size_t most_cells);
 
   std::shared_ptr<const compiler::Judge> judge_;
   GpuBuffer words_, hits_, outcomes_, busy_;

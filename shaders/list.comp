@@ -8,5 +8,5 @@
 void main() {
   uvec2 pixel;
   if (!find_pixel(pixel)) return;
-  if (imageLoad(surface_image, ivec2(pixel)).w != 0u) list_pixel(pixel);
+  if (imageLoad(surface_image, ivec2(pixel)).w != 0u) list_pixel(pixel, DMVV_TO_EVALUATE, DMVV_NO_CELL);
 }

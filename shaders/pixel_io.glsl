@@ -11,17 +11,21 @@ layout(set = 1, binding = DMVV_BIND_BYTES, r32ui) writeonly uniform uimage2D byt
 layout(set = 1, binding = DMVV_BIND_REGION, r32ui) writeonly uniform uimage2D region_image;
 layout(set = 1, binding = DMVV_BIND_LIST, std430) buffer PixelList {
   PixelListHeader header;
-  uint pixels[];
+  uint entries[];
 } list;
 layout(push_constant) uniform Params { PixelsParams params; };
+
+uvec2 listed_pixel(uint entry) { return uvec2(list.entries[2u * entry] & 0xffffu, list.entries[2u * entry] >> 16u); }
+
+// The entry of pixel number i to be painted.
+uint painted_entry(uint i) { return params.width * params.height - 1u - i; }
 
 // The pixel of this invocation; false: there is none.
 bool find_pixel(out uvec2 pixel) {
   uint i = gl_GlobalInvocationID.x;
   if (listed) {
-    bool there = i < list.header.count;
-    uint both = list.pixels[there ? i : 0u];
-    pixel = uvec2(both & 0xffffu, both >> 16u);
+    bool there = i < list.header.counts[DMVV_TO_EVALUATE];
+    pixel = listed_pixel(there ? i : 0u);
     return there;
   }
   uint block = i / DMVV_PIXELS_GROUP_SIZE, within = i % DMVV_PIXELS_GROUP_SIZE;
@@ -31,8 +35,13 @@ bool find_pixel(out uvec2 pixel) {
   return pixel.x < params.width && pixel.y < params.height;
 }
 
-// As many groups as the list needs are counted by `count_groups`: lavapipe pays for every atomic, taken or not.
-void list_pixel(uvec2 pixel) { list.pixels[atomicAdd(list.header.count, 1u)] = pixel.x | pixel.y << 16u; }
+// One atomic for both kinds, and groups are counted by `count_groups`: lavapipe pays for every atomic, taken or not.
+void list_pixel(uvec2 pixel, uint kind, uint known) {
+  uint slot = atomicAdd(list.header.counts[kind], 1u);
+  uint entry = kind == DMVV_TO_PAINT ? painted_entry(slot) : slot;
+  list.entries[2u * entry] = pixel.x | pixel.y << 16u;
+  list.entries[2u * entry + 1u] = known;
+}
 
 // The point of root coordinates that a surface texel stands for.
 vec3 surface_point(uvec4 surface) { return clamp(surface_position(surface), params.bounds_lo.xyz, params.bounds_hi.xyz); }

@@ -39,7 +39,7 @@ using uvec4 = glm::uvec4;
 #define DMVV_BIND_COLOR 1    // rgba32f out: straight alpha; 0 where there is nothing
 #define DMVV_BIND_BYTES 2    // r32ui out, in place of it: 8 bits a channel, red lowest
 #define DMVV_BIND_REGION 3   // r32ui out, if wanted: region number, 0 where empty
-#define DMVV_BIND_LIST 4     // PixelListHeader, then the listed pixels: x, and y in the upper half
+#define DMVV_BIND_LIST 4     // PixelListHeader, then two words an entry
 
 // ---- bindings of descriptor set 2 of `classify`: two trees of verdicts, one for ever, one for a span of time ----
 #define DMVV_BIND_VERDICT_WORDS 0
@@ -98,13 +98,19 @@ struct PixelsParams {
   uint pad0;
 };
 
-// What `list` counts, and an indirect dispatch reads.
+// What `list` or `classify` counts, and indirect dispatches read. A list has entries of two words: x, and y in the upper
+// half; then what is known of the pixel. Pixels to be evaluated come from the list's begin on, with the cell to be told of
+// it; pixels to be painted from its end back, with their outcome.
+#define DMVV_TO_EVALUATE 0u
+#define DMVV_TO_PAINT 1u
 struct PixelListHeader {
-  uint groups_x, groups_y, groups_z;  // of `pixels`; 0, 1, 1 before `count_groups`
-  uint count;                         // pixels in the list
-  uint unfinished;                    // pixels for which the loop rounds of the device did not suffice
+  uint groups_x, groups_y, groups_z;                   // of `pixels`; 0, 1, 1 before `count_groups`
+  uint paint_groups_x, paint_groups_y, paint_groups_z;  // of `paint`; likewise
+  uint counts[2];                                      // pixels of each kind
+  uint unfinished;                                     // pixels for which the loop rounds of the device did not suffice
   uint pad0, pad1, pad2;
 };
+#define DMVV_NO_CELL 0xffffffffu
 
 // The highest bit of a surface texel's w: there is a surface.
 #define DMVV_SURFACE_BIT 0x80000000u
@@ -184,11 +190,12 @@ struct PlacementRecord {
 #define DMVV_VERDICT_STILL 0x20000000u    // open, but no answer in it depends on the time
 #define DMVV_VERDICT_FINAL 0x10000000u    // open, and not to be split
 #define DMVV_VERDICT_VALUE 0x0fffffffu
+#define DMVV_VERDICT_NOTED 0x80000000u    // of a cell's hits: it is to be split
 
 #ifdef __cplusplus
 static_assert(sizeof(PointsParams) == 16);
 static_assert(sizeof(PixelsParams) == 80);
-static_assert(sizeof(PixelListHeader) == 32);
+static_assert(sizeof(PixelListHeader) == 48);
 static_assert(sizeof(AffineRows) == 48);
 static_assert(sizeof(NodeRecord) == 16);
 static_assert(sizeof(SdfRecord) == 128);

@@ -26,10 +26,10 @@ uint find_verdict(vec3 p, uint first) {
 }
 
 // Counts a pixel that an open cell leaves to be evaluated. After `most` of them the cell is named, to be split; and if it
-// was not, now and then again. Called in one place only: lavapipe pays for every atomic, taken or not.
+// was not noted by the host, now and then again.
 void count_hit(uint cell, uint most) {
   uint hits = atomicAdd(verdict_hits[cell], 1u) + 1u;
-  if (hits != most && (hits < most || (hits & 1023u) != 0u)) return;
+  if (hits < most || hits >= DMVV_VERDICT_NOTED || ((hits - most) & 127u) != 0u) return;
   uint slot = atomicAdd(busy.count, 1u);
   if (slot < DMVV_MOST_BUSY_CELLS) busy.cells[slot] = cell;
 }

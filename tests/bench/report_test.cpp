@@ -35,9 +35,9 @@ Report report() {
   Report made;
   made.set = "standard";
   made.machine.device = "device";
-  for (const double n : {16.0, 32.0, 64.0}) made.measurements.push_back(measured("boundary", "specialised", n));
+  for (const double n : {16.0, 32.0, 64.0}) made.measurements.push_back(measured("boundary", "auto", n));
   made.measurements.push_back(measured("scene", "table", 1.0));
-  made.measurements.push_back(measured("scene", "specialised", 1.0));
+  made.measurements.push_back(measured("scene", "auto", 1.0));
   Measurement failed;
   failed.what.id = "x";
   failed.failure = "why";

@@ -31,7 +31,7 @@ std::vector<Case> few(const std::string& section, const std::vector<std::string>
 }  // namespace
 
 TEST_CASE("trilinear grids converge with the square of their step, and no certain point is wrong") {
-  const auto measurements = run_cases({}, few("boundary", {"specialised", "table"}), {});
+  const auto measurements = run_cases({}, few("boundary", {"auto", "table"}), {});
   REQUIRE(measurements.size() >= 4);
   for (const Measurement& m : measurements) {
     CAPTURE(m.what.id);
@@ -64,7 +64,7 @@ TEST_CASE("trilinear grids converge with the square of their step, and no certai
 }
 
 TEST_CASE("more samples bring the colours nearer") {
-  const auto measurements = run_cases({}, few("samples", {"specialised"}), {});
+  const auto measurements = run_cases({}, few("samples", {"auto"}), {});
   REQUIRE(measurements.size() == 4);
   for (std::size_t i = 1; i < measurements.size(); ++i) {
     CHECK(measurements[i].color_rmse.value() < measurements[i - 1].color_rmse.value());
@@ -72,7 +72,7 @@ TEST_CASE("more samples bring the colours nearer") {
 }
 
 TEST_CASE("a case that cannot be measured says why, and the others are measured") {
-  std::vector<Case> cases = few("growth", {"specialised"});
+  std::vector<Case> cases = few("growth", {"auto"});
   REQUIRE(cases.size() > 2);
   cases.resize(2);
   cases[0].scene = [] {

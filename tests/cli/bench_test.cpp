@@ -35,7 +35,7 @@ TEST_CASE("a scene is measured with every setting: table, JSON and plots") {
     CHECK(entry["times_ms"]["frame"]["median"] > 0);
     CHECK(entry["peak_bytes"] > 0);
   }
-  CHECK(variants == std::vector<std::string>{"specialised", "table", "thesis", "camera held", "nothing moves",
+  CHECK(variants == std::vector<std::string>{"auto", "specialised", "table", "thesis", "camera swings", "time goes on",
                                              "no merge-assets", "no prune-sides", "no drop-unreachable", "no index", "no refine-index",
                                              "no fold-affine", "no unite-shapes", "no box-tests", "no tapes", "no shorten-tapes",
                                              "no pixel-list"});
