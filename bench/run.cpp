@@ -245,6 +245,7 @@ Result<void> measure_on(runtime::Device& device, Truth& truth, Measurement& resu
   runtime::View view = truth.view(what.size_px);
   view.samples = what.settings.samples;
   view.colors = runtime::Colors::bytes;
+  view.steady_colors = what.settings.motion != Motion::camera;
   view.disabled_passes = what.settings.disabled_passes;
   if (what.settings.motion == Motion::none) {
     for (const char* pass : {"keep-picture", "keep-surface", "keep-still"}) view.disabled_passes.emplace_back(pass);

@@ -8,13 +8,14 @@
 
 #include "compiler/code_cache.h"
 #include "compiler/cost_model.h"
-#include "compiler/flatten.h"
 #include "compiler/module.h"
 #include "compiler/program.h"
 #include "compiler/tape_options.h"
 #include "voml/result.h"
 
 namespace dmvv::compiler {
+
+struct IndexOptions;  // flatten.h
 
 struct CompileOptions {
   Codegen codegen = Codegen::automatic;

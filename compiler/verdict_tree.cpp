@@ -85,7 +85,8 @@ VerdictTree::Words VerdictTree::judge_brick(const Cell& parent) {
 
 std::uint32_t VerdictTree::word_for(const Verdict& verdict, std::uint32_t width) {
   if (verdict.decided) {
-    if (const auto known = outcome(verdict)) return DMVV_VERDICT_DECIDED | *known;
+    const bool has_bitmap = verdict.region.valid() && at(judge_.module().regions, verdict.region).kind == voml::RegionKind::bitmap;
+    if (const auto known = outcome(verdict)) return DMVV_VERDICT_DECIDED | (has_bitmap ? DMVV_VERDICT_BITMAP : 0u) | *known;
   }
   return (verdict.moves ? 0u : DMVV_VERDICT_STILL) | (width == 1 ? DMVV_VERDICT_FINAL : 0u);
 }

@@ -382,7 +382,7 @@ double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const Fr
   });
   frame->surface = std::move(surface);
   frame->shaded = std::move(shading);
-  if (classifies) verdicts->end_frame(tile_pixels(*frame, tile).counted, ms);
+  if (classifies) verdicts->end_frame(tile_pixels(*frame, tile).counted, ms, draws);
   return ms;
 }
 

@@ -178,6 +178,7 @@ Result<Shot> plan_shot(const View& view, const voml::Bounds& bounds, std::uint32
   if (auto fault = view_fault(view, largest_px)) return fail(Fault::input, std::move(*fault));
   Shot shot;
   shot.size_px = view.size_px * view.samples;
+  shot.pixels.paints_bitmaps = view.steady_colors ? 0 : 1;
   if (view.slice) {
     shot.slice = slice_frame(*view.slice, shot.size_px);
     shot.pixels.bounds_lo = row(glm::dvec3(-1.0));

@@ -10,6 +10,8 @@ namespace {
 constexpr std::size_t most_words = std::size_t{4} << 20;     // of each tree: 16 MiB, and as much for their hits
 constexpr std::size_t most_outcomes = std::size_t{1} << 15;  // of each tree: 3.5 MiB
 constexpr double memory_of_splits = 0.9;
+constexpr double share_of_evaluation = 0.5;   // of a frame that draws the surface as well: a guess
+constexpr double share_for_splitting = 0.25;  // of a frame's time, beside it: no frame shows that there is more to prove
 constexpr std::uint32_t least_hits = 8, most_hits = 1u << 20;
 constexpr double frames_a_span = 16.0;
 constexpr std::uint32_t longest_pause = 256;
@@ -120,15 +122,17 @@ void Verdicts::fill(gpu::PixelsParams& params) const {
   params.counts_both = judge_->is_animated() && (!times_ || times_->span_ms().lo < times_->span_ms().hi);
 }
 
-void Verdicts::end_frame(const gpu::PixelListHeader& counted, double ms) {
+void Verdicts::end_frame(const gpu::PixelListHeader& counted, double ms, bool drew) {
   // Few pixels are measured badly: what a frame costs anyway would be counted as theirs.
-  if (2 * counted.counts[0] >= most_evaluated_ && counted.counts[0] != 0) {
-    most_evaluated_ = std::max<std::size_t>(most_evaluated_, counted.counts[0]);
-    ns_a_pixel_ = 1e6 * ms / counted.counts[0];
+  const std::uint32_t evaluated = counted.counts[DMVV_TO_EVALUATE];
+  if (2 * evaluated >= most_evaluated_ && evaluated != 0 && !(drew && is_pixel_measured_)) {
+    most_evaluated_ = std::max<std::size_t>(most_evaluated_, evaluated);
+    is_pixel_measured_ = !drew;
+    ns_a_pixel_ = 1e6 * ms / evaluated * (drew ? share_of_evaluation : 1.0);
   }
   // What the span's verdicts save is seen against its first frame, which has few of them.
-  first_count_ = std::max(first_count_, counted.counts[0]);
-  saved_ns_ += ns_a_pixel_ * (first_count_ - counted.counts[0]);
+  first_count_ = std::max(first_count_, evaluated);
+  saved_ns_ += ns_a_pixel_ * (first_count_ - evaluated);
   const auto busy = mapped<std::uint32_t>(busy_);
   const auto hits = mapped<std::uint32_t>(hits_);
   for (const std::uint32_t cell : busy.subspan(1, std::min<std::size_t>(busy.front(), DMVV_MOST_BUSY_CELLS))) {
@@ -137,7 +141,7 @@ void Verdicts::end_frame(const gpu::PixelListHeader& counted, double ms) {
     const bool is_of_span = cell >= most_words;
     (is_of_span ? span_ : always_).busy.push_back(is_of_span ? cell - static_cast<std::uint32_t>(most_words) : cell);
   }
-  const auto affordable = static_cast<std::size_t>(1e6 * ms / ns_a_cell()) + 1;
+  const auto affordable = static_cast<std::size_t>(share_for_splitting * 1e6 * ms / ns_a_cell()) + 1;
   const std::size_t for_always = std::min(affordable, always_.busy.size());
   split(always_, for_always);
   split(span_, affordable - for_always);

@@ -25,8 +25,9 @@ class Verdicts {
   void begin_frame(double time_ms);
   /// Tells `classify` what it needs to know.
   void fill(gpu::PixelsParams& params) const;
-  /// Call when the device is done in `ms`. Splits busy cells for as long, at most.
-  void end_frame(const gpu::PixelListHeader& counted, double ms);
+  /// Call when the device is done in `ms`, in which it `drew` the surface or not. Splits busy cells for a quarter of that
+  /// time, at most.
+  void end_frame(const gpu::PixelListHeader& counted, double ms, bool drew);
 
  private:
   /// A tree in its part of the memory.
@@ -53,6 +54,7 @@ class Verdicts {
   double last_time_ms_ = 0.0;
   bool has_time_ = false;
 
+  bool is_pixel_measured_ = false;  ///< in a frame without a surface to draw; else it is guessed
   double ns_a_pixel_ = 0.0;  ///< of evaluation, as last measured on many pixels; 0: not yet
   std::size_t most_evaluated_ = 0;
   double split_ns_ = 5e5, split_cells_ = 10.0;  ///< what splitting cost lately, and of how many cells

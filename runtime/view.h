@@ -43,6 +43,9 @@ struct View {
   double time_ms = 0.0;              ///< since the animation's start
   std::uint32_t samples = 1;         ///< per pixel along each axis, 1..16; the picture is the mean of samples^2
   Colors colors = Colors::floats;    ///< bytes: a quarter of the memory on the way, and what a PNG holds
+  /// Colours from bitmaps are the same whichever frames came before. Off: while the camera moves they are found faster,
+  /// and may differ by 1 in 255, by what happens to be proven.
+  bool steady_colors = true;
   bool want_regions = false;
   bool want_depth = false;
   bool want_positions = false;

@@ -25,7 +25,8 @@ void main() {
     first_outcome = params.first_span_outcome;
     if (params.counts_both == 0u || ((pixel.x + pixel.y) & 1u) != 0u) counted = cell;
   }
-  bool paints = is_proven && (word & DMVV_VERDICT_DECIDED) != 0u;
-  uint known = paints ? first_outcome + (word & DMVV_VERDICT_VALUE) : is_proven ? counted : DMVV_NO_CELL;
+  bool is_decided = (word & DMVV_VERDICT_DECIDED) != 0u;
+  bool paints = is_proven && is_decided && ((word & DMVV_VERDICT_BITMAP) == 0u || params.paints_bitmaps != 0u);
+  uint known = paints ? first_outcome + (word & DMVV_VERDICT_VALUE) : is_proven && !is_decided ? counted : DMVV_NO_CELL;
   list_pixel(pixel, paints ? DMVV_TO_PAINT : DMVV_TO_EVALUATE, known);
 }

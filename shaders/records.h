@@ -95,7 +95,7 @@ struct PixelsParams {
   uint first_span_word;     // `classify`: of the tree for a span of time; 0: there is none
   uint first_span_outcome;
   uint counts_both;        // `classify`: 1 if half of the hits count for what may hold for ever
-  uint pad0;
+  uint paints_bitmaps;     // `classify`: 0: decided pixels of regions with bitmaps are evaluated all the same
 };
 
 // What `list` or `classify` counts, and indirect dispatches read. A list has entries of two words: x, and y in the upper
@@ -189,7 +189,8 @@ struct PlacementRecord {
 #define DMVV_VERDICT_INNER 0x40000000u    // | first word of the brick
 #define DMVV_VERDICT_STILL 0x20000000u    // open, but no answer in it depends on the time
 #define DMVV_VERDICT_FINAL 0x10000000u    // open, and not to be split
-#define DMVV_VERDICT_VALUE 0x0fffffffu
+#define DMVV_VERDICT_BITMAP 0x08000000u   // decided, and the region has a bitmap
+#define DMVV_VERDICT_VALUE 0x07ffffffu
 #define DMVV_VERDICT_NOTED 0x80000000u    // of a cell's hits: it is to be split
 
 #ifdef __cplusplus

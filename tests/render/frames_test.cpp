@@ -66,15 +66,20 @@ TEST_CASE("no frame shows that verdicts were used, that what stands still was ke
     CAPTURE(name);
     const compiler::Program program = tests::compiled(module, judged());
     auto kept = runtime::Evaluator::create(device(), program).value();
+    auto kept_steady = runtime::Evaluator::create(device(), program).value();
     auto anew = runtime::Evaluator::create(device(), program).value();
-    std::size_t differing_bytes = 0, pixels = 0, different_regions = 0;
+    std::size_t differing_bytes = 0, unsteady = 0, pixels = 0, different_regions = 0;
     float largest_difference = 0.0f;
     for (runtime::View view : film()) {
+      const auto steady = kept_steady.render(view);
+      view.steady_colors = false;
       const auto got = kept.render(view);
       view.disabled_passes = {"verdicts", "keep-still", "keep-picture", "keep-surface"};
       const auto expected = anew.render(view);
       REQUIRE(got);
       REQUIRE(expected);
+      REQUIRE(steady);
+      unsteady += steady->rgba != expected->rgba || steady->regions != expected->regions;
       pixels += expected->regions.size();
       for (std::size_t i = 0; i < got->regions.size(); ++i) different_regions += got->regions[i] != expected->regions[i];
       for (std::size_t i = 0; i < got->rgba.size(); ++i) {
@@ -82,6 +87,7 @@ TEST_CASE("no frame shows that verdicts were used, that what stands still was ke
         differing_bytes += runtime::to_byte(got->rgba[i]) != runtime::to_byte(expected->rgba[i]);
       }
     }
+    CHECK(unsteady == 0);
     CHECK(different_regions == 0);
     CHECK(largest_difference < 1e-3f);  // a bitmap's coordinates are composed in double in place of step by step
     CHECK(differing_bytes < pixels / 10000);
