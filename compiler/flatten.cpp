@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstring>
 #include <functional>
-#include <future>
 #include <glm/common.hpp>
-#include <thread>
+
+#include "compiler/parallel.h"
 
 namespace dmvv::compiler {
 
@@ -121,15 +120,7 @@ class Flattening {
       }
     }
     lookups_.resize(jobs.size());
-    std::atomic<std::size_t> next{0};
-    const auto work = [&] {
-      for (std::size_t i; (i = next++) < jobs.size();) lookups_[i] = jobs[i]();
-    };
-    std::vector<std::future<void>> others;
-    const std::size_t threads = std::min<std::size_t>(std::thread::hardware_concurrency(), jobs.size());
-    for (std::size_t i = 1; i < threads; ++i) others.push_back(std::async(std::launch::async, work));
-    work();
-    for (std::future<void>& other : others) other.get();
+    in_parallel(jobs.size(), [&](std::size_t i) { lookups_[i] = jobs[i](); });
   }
 
   gpu::LookupRecord append_lookup() {

@@ -1,12 +1,10 @@
 #include "compiler/tape_cells.h"
 
 #include <algorithm>
-#include <atomic>
 #include <functional>
-#include <future>
-#include <thread>
 #include <unordered_map>
 
+#include "compiler/parallel.h"
 #include "shaders/records.h"
 
 namespace dmvv::compiler {
@@ -108,7 +106,7 @@ class Refiner {
   /// Evaluates each cell's line over the cell: closes those whose side is known, shortens the others.
   std::vector<Cell> refined(const std::vector<Cell>& cells) {
     std::vector<Refined> results(cells.size());
-    for_each_on_all_cores(cells.size(), [&](std::size_t i) { results[i] = refine(cells[i]); });
+    in_parallel(cells.size(), [&](std::size_t i) { results[i] = refine(cells[i]); });
     std::vector<Cell> open;
     for (std::size_t i = 0; i < cells.size(); ++i) {
       const bool is_known = results[i].side < first_line;
@@ -117,19 +115,6 @@ class Refiner {
       (is_known ? closed_ : open).push_back(cell);
     }
     return open;
-  }
-
-  template <class Work>
-  static void for_each_on_all_cores(std::size_t count, const Work& work) {
-    std::atomic<std::size_t> next{0};
-    const auto take = [&] {
-      for (std::size_t i; (i = next++) < count;) work(i);
-    };
-    std::vector<std::future<void>> others;
-    const std::size_t threads = std::min<std::size_t>(std::thread::hardware_concurrency(), count);
-    for (std::size_t i = 1; i < threads; ++i) others.push_back(std::async(std::launch::async, take));
-    take();
-    for (std::future<void>& other : others) other.get();
   }
 
   Refined refine(const Cell& cell) const {

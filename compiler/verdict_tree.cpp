@@ -1,10 +1,9 @@
 #include "compiler/verdict_tree.h"
 
 #include <algorithm>
-#include <atomic>
-#include <future>
 #include <glm/common.hpp>
-#include <thread>
+
+#include "compiler/parallel.h"
 
 namespace dmvv::compiler {
 
@@ -15,20 +14,6 @@ constexpr double margin = 0x1p-23;  // p + 1 is rounded before a device finds th
 
 glm::uvec3 child_place(std::uint32_t child) { return {child % 4, child / 4 % 4, child / 16}; }
 std::uint32_t child_at(const glm::uvec3& place) { return (place.z * 4 + place.y) * 4 + place.x; }
-
-/// Calls body(i) for each i below count, on all cores.
-template <class Body>
-void in_parallel(std::size_t count, Body body) {
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t i; (i = next++) < count;) body(i);
-  };
-  std::vector<std::future<void>> others;
-  const std::size_t threads = std::min<std::size_t>(std::thread::hardware_concurrency(), count);
-  for (std::size_t i = 1; i < threads; ++i) others.push_back(std::async(std::launch::async, work));
-  work();
-  for (std::future<void>& other : others) other.get();
-}
 
 }  // namespace
 
