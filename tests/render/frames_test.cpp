@@ -62,9 +62,9 @@ TEST_CASE("no frame shows that verdicts were used, that what stands still was ke
   const Folder folder;
   std::vector<std::pair<std::string, compiler::Module>> modules{{"beating", beating()}};
   for (const RenderScene& scene : write_render_scenes(folder)) modules.emplace_back(scene.name, tests::lowered_file(scene.path));
-  for (const auto& [name, module] : modules) {
-    CAPTURE(name);
-    const compiler::Program program = tests::compiled(module, judged());
+  for (const auto& scene : modules) {
+    CAPTURE(scene.first);
+    const compiler::Program program = tests::compiled(scene.second, judged());
     auto kept = runtime::Evaluator::create(device(), program).value();
     auto kept_steady = runtime::Evaluator::create(device(), program).value();
     auto anew = runtime::Evaluator::create(device(), program).value();
