@@ -195,7 +195,7 @@ void read_back(const vk::raii::CommandBuffer& commands, const Frame& frame, cons
   commands.pipelineBarrier(Stage::eTransfer, Stage::eHost, {}, copied, nullptr, nullptr);
 }
 
-/// What a tile takes from the one before it, if the surface is the same and nothing but the time is different.
+/// Is a tile of the same surface the same but for the time?
 bool only_time_differs(const ShadingKey& a, const ShadingKey& b) {
   return std::memcmp(&a.params, &b.params, sizeof a.params) == 0;
 }
