@@ -313,7 +313,7 @@ void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, con
 
   const auto compute = vk::PipelineBindPoint::eCompute;
   const auto blocks = [](std::uint32_t px) { return (px + DMVV_PIXELS_BLOCK - 1) / DMVV_PIXELS_BLOCK; };
-  const std::uint32_t groups = blocks(params.width) * blocks(params.height);
+  const std::uint32_t groups = blocks(params.width) * blocks(params.height), runs = groups * DMVV_PIXELS_BLOCK;
   const auto bind = [&](const KernelPipeline& kernel) {
     commands.bindPipeline(compute, *kernel.pipeline);
     commands.bindDescriptorSets(compute, *kernel.layout, 0, {*scene_set, *frame->io_set}, nullptr);
@@ -335,7 +335,7 @@ void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, con
     return;
   }
   classifies ? bind_verdicts(*classify) : bind(*list);
-  commands.dispatch(groups, 1, 1);
+  commands.dispatch((runs + DMVV_PIXELS_GROUP_SIZE - 1) / DMVV_PIXELS_GROUP_SIZE, 1, 1);
   wait({}, {});
   bind(*count_groups);
   commands.dispatch(1, 1, 1);

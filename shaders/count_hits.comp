@@ -9,6 +9,6 @@
 void main() {
   uint entry = gl_GlobalInvocationID.x;
   if (entry >= list.header.counts[DMVV_TO_EVALUATE]) return;
-  uint cell = list.entries[2u * entry + 1u];
+  uint cell = list.entries[entry].y;
   if (cell != DMVV_NO_CELL && (verdict_words[cell] & DMVV_VERDICT_FINAL) == 0u) count_hit(cell, params.hits_to_split);
 }

@@ -1,12 +1,22 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_ballot : require
 #include "shaders/records.h"
 #include "shaders/surface.glsl"
 #include "shaders/pixel_io.glsl"
+#include "shaders/pixel_list.glsl"
 // Lists the pixels that show a surface: no other one is evaluated.
 
 void main() {
-  uvec2 pixel;
-  if (!find_pixel(pixel)) return;
-  if (imageLoad(surface_image, ivec2(pixel)).w != 0u) list_pixel(pixel, DMVV_TO_EVALUATE, DMVV_NO_CELL);
+  uvec2 first = first_of_run();
+  uint seen = 0u;
+  for (uint x = 0u; x < DMVV_RUN; ++x) {
+    uvec2 pixel = first + uvec2(x, 0u);
+    if (is_in_picture(pixel) && imageLoad(surface_image, ivec2(pixel)).w != 0u) seen |= 1u << x;
+  }
+  uint slot = reserve(DMVV_TO_EVALUATE, bitCount(seen));
+  for (uint x = 0u; x < DMVV_RUN; ++x) {
+    if ((seen >> x & 1u) != 0u) list_pixel(first + uvec2(x, 0u), slot++, DMVV_NO_CELL);
+  }
 }

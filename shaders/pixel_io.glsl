@@ -11,14 +11,23 @@ layout(set = 1, binding = DMVV_BIND_BYTES, r32ui) writeonly uniform uimage2D byt
 layout(set = 1, binding = DMVV_BIND_REGION, r32ui) writeonly uniform uimage2D region_image;
 layout(set = 1, binding = DMVV_BIND_LIST, std430) buffer PixelList {
   PixelListHeader header;
-  uint entries[];
+  uvec2 entries[];
 } list;
 layout(push_constant) uniform Params { PixelsParams params; };
 
-uvec2 listed_pixel(uint entry) { return uvec2(list.entries[2u * entry] & 0xffffu, list.entries[2u * entry] >> 16u); }
+uvec2 listed_pixel(uint entry) {
+  uint pixel = list.entries[entry].x;
+  return uvec2(pixel & 0xffffu, pixel >> 16u);
+}
 
 // The entry of pixel number i to be painted.
 uint painted_entry(uint i) { return params.width * params.height - 1u - i; }
+
+// The upper left pixel of a block; blocks follow each other row by row.
+uvec2 block_corner(uint block) {
+  uint blocks_x = (params.width + DMVV_PIXELS_BLOCK - 1u) / DMVV_PIXELS_BLOCK;
+  return uvec2(block % blocks_x, block / blocks_x) * DMVV_PIXELS_BLOCK;
+}
 
 // The pixel of this invocation; false: there is none.
 bool find_pixel(out uvec2 pixel) {
@@ -28,19 +37,9 @@ bool find_pixel(out uvec2 pixel) {
     pixel = listed_pixel(there ? i : 0u);
     return there;
   }
-  uint block = i / DMVV_PIXELS_GROUP_SIZE, within = i % DMVV_PIXELS_GROUP_SIZE;
-  uint blocks_x = (params.width + DMVV_PIXELS_BLOCK - 1u) / DMVV_PIXELS_BLOCK;
-  pixel = uvec2(block % blocks_x, block / blocks_x) * DMVV_PIXELS_BLOCK +
-          uvec2(within % DMVV_PIXELS_BLOCK, within / DMVV_PIXELS_BLOCK);
+  uint within = i % DMVV_PIXELS_GROUP_SIZE;
+  pixel = block_corner(i / DMVV_PIXELS_GROUP_SIZE) + uvec2(within % DMVV_PIXELS_BLOCK, within / DMVV_PIXELS_BLOCK);
   return pixel.x < params.width && pixel.y < params.height;
-}
-
-// One atomic for both kinds, and groups are counted by `count_groups`: lavapipe pays for every atomic, taken or not.
-void list_pixel(uvec2 pixel, uint kind, uint known) {
-  uint slot = atomicAdd(list.header.counts[kind], 1u);
-  uint entry = kind == DMVV_TO_PAINT ? painted_entry(slot) : slot;
-  list.entries[2u * entry] = pixel.x | pixel.y << 16u;
-  list.entries[2u * entry + 1u] = known;
 }
 
 // The point of root coordinates that a surface texel stands for.

@@ -1,0 +1,21 @@
+// How kernels list pixels: an invocation looks at a run of a block's row, so that there is one atomic a block. All threads wait
+// for the same word: one a pixel cost lavapipe as much as everything else in a frame of one colour.
+// Comes after shaders/pixel_io.glsl; needs GL_KHR_shader_subgroup_arithmetic.
+
+#define DMVV_RUN uint(DMVV_PIXELS_BLOCK)
+
+uvec2 first_of_run() {
+  uint i = gl_GlobalInvocationID.x;
+  return block_corner(i / DMVV_RUN) + uvec2(0u, i % DMVV_RUN);
+}
+
+bool is_in_picture(uvec2 pixel) { return pixel.x < params.width && pixel.y < params.height; }
+
+// Makes room for `count` entries of each invocation: the slot of its first one.
+uint reserve(uint kind, uint count) {
+  uint before = subgroupExclusiveAdd(count), sum = subgroupAdd(count), first = 0u;
+  if (subgroupElect()) first = atomicAdd(list.header.counts[kind], sum);
+  return subgroupBroadcastFirst(first) + before;
+}
+
+void list_pixel(uvec2 pixel, uint entry, uint known) { list.entries[entry] = uvec2(pixel.x | pixel.y << 16u, known); }
