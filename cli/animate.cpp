@@ -273,7 +273,7 @@ int animate(const AnimateOptions& options, Context& context) {
   compiler::CompileOptions form = compile_options(options.codegen);
   view.disabled_passes = form.disabled_passes;
   const Plan plan = make_plan(options, view.size_px);
-  form.judge = plan.range.last > plan.range.first;
+  form.many_frames = plan.range.last > plan.range.first;
 
   OpeningDevice opening = begin_device(options.device);
   Diagnostics diagnostics(options.scene.strict);

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 6> dump_words{"module", "glsl", "spirv", "records", "atlas", "stats"};
-constexpr std::array<std::pair<compiler::Kernel, std::string_view>, compiler::kernel_count> kernels{
+constexpr std::array<std::pair<compiler::Kernel, std::string_view>, 2> kernels{
     {{compiler::Kernel::points, "points"}, {compiler::Kernel::pixels, "pixels"}}};
 
 struct CompileOptions {

@@ -1,7 +1,9 @@
 #include "compiler/affine.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <numbers>
 
@@ -44,6 +46,15 @@ Affine operator*(const Affine& a_from_b, const Affine& b_from_c) {
 Affine inverse(const Affine& a_from_b) {
   const glm::dmat3 linear = glm::inverse(a_from_b.linear);
   return {linear, -(linear * a_from_b.translation)};
+}
+
+double largest_stretch(const glm::dmat3& linear) {
+  // That of rows at right angles is the longest row; Gershgorin's bound for any others.
+  const glm::dmat3 rows = glm::transpose(linear);
+  const double xy = std::abs(glm::dot(rows[0], rows[1])), xz = std::abs(glm::dot(rows[0], rows[2])),
+               yz = std::abs(glm::dot(rows[1], rows[2]));
+  return std::sqrt(std::max({glm::dot(rows[0], rows[0]) + xy + xz, glm::dot(rows[1], rows[1]) + xy + yz,
+                             glm::dot(rows[2], rows[2]) + xz + yz}));
 }
 
 Affine object_from_local(const voml::Transform& transform) {

@@ -21,6 +21,9 @@ Affine operator*(const Affine& a_from_b, const Affine& b_from_c);
 
 Affine inverse(const Affine& a_from_b);
 
+/// The largest singular value, or somewhat more: no step gets longer than that many times.
+double largest_stretch(const glm::dmat3& linear);
+
 /// T * Rz * Ry * Rx * S (spec/voml.md section 2). Quarter turns are exact: sin and cos of multiples of 90 degrees are
 /// the integers they should be.
 Affine object_from_local(const voml::Transform& transform);

@@ -6,12 +6,14 @@
 #include <cstring>
 
 #include "compiler/atlas.h"
+#include "compiler/content.h"
 #include "compiler/flatten.h"
 #include "compiler/generate_glsl.h"
 #include "compiler/judge.h"
 #include "compiler/passes.h"
 #include "compiler/tapes.h"
 #include "compiler/reference.h"
+#include "compiler/steepness.h"
 #include "compiler/texels.h"
 #include "compiler/thesis.h"
 
@@ -28,6 +30,11 @@ bool enabled(const CompileOptions& options, std::string_view pass) {
 /// Is the scene's own code generated at all? Else its records alone are (the thesis' way, and its lists as they are).
 bool writes_code(const CompileOptions& options) {
   return options.codegen == Codegen::specialised || options.codegen == Codegen::automatic;
+}
+
+/// Is there a kernel that tells how far answers hold?
+bool tells_reach(const CompileOptions& options) {
+  return options.many_frames && writes_code(options) && enabled(options, "reach");
 }
 
 GridStorage grid_storage(const Module& module, const CompileOptions& options) {
@@ -103,7 +110,7 @@ void count(Statistics& statistics, const Module& module) {
 }  // namespace
 
 IndexOptions index_options(const CompileOptions& options) {
-  return {enabled(options, "index"), writes_code(options) && enabled(options, "refine-index")};
+  return {enabled(options, "index"), writes_code(options) && enabled(options, "refine-index"), tells_reach(options) ? DMVV_CELL_MARGIN : 0.0};
 }
 
 const std::vector<PassInfo>& pass_names() {
@@ -111,6 +118,7 @@ const std::vector<PassInfo>& pass_names() {
       {"merge-assets", "identical grids, bitmaps and snippets are stored once"},
       {"prune-sides", "a decision between equal sides is left out"},
       {"drop-unreachable", "what no path from the root reaches is left out"},
+      {"trim-cubes", "seeds and objects are asked only where their cubes are not surely empty"},
       {"index", "seeds and candidates are found through lookup grids"},
       {"refine-index", "an author's lookup grid has no fewer cells than the compiler would choose"},
       {"fold-affine", "identities, translations and scalings are written as such"},
@@ -127,6 +135,7 @@ void run_passes(Module& module, const CompileOptions& options) {
   if (enabled(options, "merge-assets")) merge_assets(module);
   if (enabled(options, "prune-sides")) prune_sides(module);
   if (enabled(options, "drop-unreachable")) drop_unreachable(module);
+  if (writes_code(options) && enabled(options, "trim-cubes")) trim_cubes(module, options.atlas_format, options.filter);
 }
 
 std::vector<float> time_values(std::span<const TimeFunction> functions, double time_ms) {
@@ -166,12 +175,16 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   TapeOptions tape_options = options.tapes;
   tape_options.shorten = enabled(options, "shorten-tapes");
   const Tapes tapes = !thesis && enabled(options, "tapes") ? make_tapes(module, tape_options) : Tapes{};
+  const bool reaches = tells_reach(options);
+  const auto steepness = reaches ? source_steepness(module, options.atlas_format, options.filter)
+                                 : std::vector<snippet::Steepness>{};
   const GlslOptions glsl_options{options.codegen, options.inlined_line_budget, options.costs, enabled(options, "fold-affine"),
                                  enabled(options, "box-tests"), &tapes,
-                                 writes_code(options) && enabled(options, "unite-shapes")};
+                                 writes_code(options) && enabled(options, "unite-shapes"), reaches ? &steepness : nullptr};
   Evaluation evaluation = generate_evaluation(module, records, *grid_atlas, glsl_options);
   name_united(records, module, evaluation.united);
-  for (const Kernel kernel : {Kernel::points, Kernel::pixels}) {
+  for (const Kernel kernel : {Kernel::points, Kernel::pixels, Kernel::leaders}) {
+    if (kernel == Kernel::leaders && !evaluation.uses.reach) continue;
     program.glsl[static_cast<std::size_t>(kernel)] = generate_glsl(evaluation, program.depth, kernel);
   }
 
@@ -194,7 +207,7 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   if (evaluation.uses.parameters) add_buffer(program, "parameters", DMVV_BIND_PARAMETERS, evaluation.parameters);
   if (evaluation.uses.time) add_buffer(program, "time_values", DMVV_BIND_TIME, time_values(program.time_functions, 0.0));
   if (!check_buffers(program, options.max_storage_buffer, diagnostics)) return std::nullopt;
-  if (options.judge && !thesis) {
+  if (options.many_frames && !thesis) {
     const Judge::Options stored{options.atlas_format, options.filter};
     program.judge = std::make_shared<Judge>(std::move(module), std::move(records), stored);
   }

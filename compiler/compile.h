@@ -25,7 +25,8 @@ struct CompileOptions {
   std::uint32_t max_extent_3d = 2048;            ///< of the device that will run the program
   std::uint64_t max_storage_buffer = 128u << 20;
   std::uint32_t inlined_line_budget = 4000;      ///< beyond it, specialised code hands objects over to the generic walker
-  bool judge = false;                            ///< keep what proves verdicts: for those who draw many frames; not for thesis
+  bool many_frames = false;                      ///< keep and make what pays for those who draw many: what proves verdicts, and
+                                                 ///< the kernel `leaders`; not for thesis, the latter not for table
   TapeOptions tapes;                             ///< `shorten` is what the pass says
   std::vector<std::string> disabled_passes;      ///< names of pass_names()
 };
@@ -54,7 +55,8 @@ void run_passes(Module& module, const CompileOptions& options);
 /// Cost: linear in the scene, except index building (cells) and atlas packing (grids squared).
 std::optional<Program> compile(Module module, const CompileOptions& options, Diagnostics& diagnostics);
 
-/// Compiles one kernel's GLSL to SPIR-V 1.5 for Vulkan 1.2 with glslang and checks it with spirv-val.
+/// Compiles one kernel's GLSL to SPIR-V 1.5 for Vulkan 1.2 with glslang and checks it with spirv-val; with `pixels` also
+/// `leaders`, if there is one.
 /// `cache` is asked first, and told of what compiled.
 /// Errors: text that does not compile or validate is a bug of the generator; the error carries both logs.
 Result<void> to_spirv(Program& program, Kernel kernel, const CodeCache& cache = {});

@@ -15,6 +15,13 @@ namespace {
 
 glm::vec4 vec(const glm::dvec3& v, double w = 0.0) { return glm::vec4(glm::dvec4(v, w)); }
 
+/// How far a box reaches from the middle along each axis, in 1024ths less one, rounded up: 10 bits each.
+std::uint32_t packed_extent(const LocalBox& box) {
+  const glm::dvec3 reach = glm::max(glm::abs(box.lo), glm::abs(box.hi));
+  const glm::uvec3 steps = glm::uvec3(glm::clamp(glm::ceil(reach * 1024.0), glm::dvec3(1.0), glm::dvec3(1024.0))) - 1u;
+  return steps.x | steps.y << 10 | steps.z << 20;
+}
+
 class Flattening {
  public:
   Flattening(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, IndexOptions index)
@@ -99,7 +106,7 @@ class Flattening {
     record.first_placement = static_cast<std::uint32_t>(out_.placements.size());
     record.first_number = group.first_number;
     for (const Candidate& candidate : group.candidates) {
-      out_.placements.push_back({rows(candidate.local_from_parent), candidate.object.index, candidate.tiled, 0, 0});
+      out_.placements.push_back({rows(candidate.local_from_parent), candidate.object.index, candidate.tiled, packed_extent(at(module_.objects, candidate.object).content), 0});
     }
     record.lookup = append_lookup();
     return record;
@@ -111,12 +118,12 @@ class Flattening {
     const auto wish = [&](const glm::uvec3& authors) { return index_.use ? authors : glm::uvec3(1); };
     for (const Sdf& sdf : module_.sdfs) {
       if (sdf.placement != voml::Placement::seeded) continue;
-      jobs.emplace_back([&] { return build_lookup(placed_boxes(sdf, module_), wish(sdf.index_size), glm::dvec3(0.0), index_.refine); });
+      jobs.emplace_back([&] { return build_lookup(placed_boxes(sdf, module_), wish(sdf.index_size), glm::dvec3(0.0), index_.refine, index_.widened); });
     }
     for (const Region& region : module_.regions) {
       for (const CandidateGroup& group : region.groups) {
         jobs.emplace_back(
-            [&] { return build_lookup(placed_boxes(group), wish(group.index_size), lookup_frame_error(group), index_.refine); });
+            [&] { return build_lookup(placed_boxes(group, module_), wish(group.index_size), lookup_frame_error(group), index_.refine, index_.widened); });
       }
     }
     lookups_.resize(jobs.size());
@@ -183,8 +190,13 @@ Affine lookup_from_local(const voml::Grid& grid, Id<voml::Grid> id, const Atlas&
   return texels;
 }
 
-std::vector<PlacedBox> placed_boxes(const Sdf& sdf, const Module& module) {
+LocalBox asked_box(const Sdf& sdf, const Module& module) {
   const LocalBox box = local_box(sdf, module);
+  return {glm::max(box.lo, sdf.content.lo), glm::min(box.hi, sdf.content.hi)};
+}
+
+std::vector<PlacedBox> placed_boxes(const Sdf& sdf, const Module& module) {
+  const LocalBox box = asked_box(sdf, module);
   std::vector<PlacedBox> boxes;
   boxes.reserve(sdf.local_from_object.size());
   for (const Affine& affine : sdf.local_from_object) {
@@ -193,14 +205,14 @@ std::vector<PlacedBox> placed_boxes(const Sdf& sdf, const Module& module) {
   return boxes;
 }
 
-std::vector<PlacedBox> placed_boxes(const CandidateGroup& group) {
+std::vector<PlacedBox> placed_boxes(const CandidateGroup& group, const Module& module) {
   const Affine object_from_frame = group.box_from_object ? inverse(*group.box_from_object) : Affine{};
   std::vector<PlacedBox> boxes;
   boxes.reserve(group.candidates.size());
   for (const Candidate& candidate : group.candidates) {
+    const LocalBox& content = at(module.objects, candidate.object).content;
     boxes.push_back({candidate.local_from_parent * object_from_frame,
-                     float_error(candidate.local_from_parent, glm::dvec3(1.0)), glm::dvec3(-1.0), glm::dvec3(1.0),
-                     candidate.tiled});
+                     float_error(candidate.local_from_parent, glm::dvec3(1.0)), content.lo, content.hi, candidate.tiled});
   }
   return boxes;
 }

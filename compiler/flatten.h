@@ -32,16 +32,14 @@ struct Records {
 /// Seeds of an SDF as boxes in the object's frame.
 std::vector<PlacedBox> placed_boxes(const Sdf& sdf, const Module& module);
 /// Candidates of a group as boxes in its lookup frame (the INDEX box if it has one, else the object).
-std::vector<PlacedBox> placed_boxes(const CandidateGroup& group);
+std::vector<PlacedBox> placed_boxes(const CandidateGroup& group, const Module& module);
 /// Bound of the float32 error of a point in the group's lookup frame.
 glm::dvec3 lookup_frame_error(const CandidateGroup& group);
 
 /// The part of the standard cube in which an SDF's source is defined.
-struct LocalBox {
-  glm::dvec3 lo{-1.0};
-  glm::dvec3 hi{1.0};
-};
 LocalBox local_box(const Sdf& sdf, const Module& module);
+/// The part of it in which a seed is asked: beyond it nothing is.
+LocalBox asked_box(const Sdf& sdf, const Module& module);
 
 /// Atlas coordinates (normalised) of a grid's local points.
 Affine atlas_from_local(const voml::Grid& grid, const glm::uvec3& slot, const glm::uvec3& atlas_extent);
@@ -58,6 +56,7 @@ bool only_scale(const Sdf& sdf);
 struct IndexOptions {
   bool use = true;      ///< false: every lookup is one cell that lists everything
   bool refine = false;  ///< an author's size is no more than a wish for more cells than would be chosen
+  double widened = 0.0;  ///< lists hold also what comes so near to a cell, in cells
 };
 
 /// Builds all records.

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <glm/vector_relational.hpp>
 #include <map>
 #include <optional>
@@ -56,6 +58,7 @@ class Generator : GlslWriter {
   void write(CodePlan plan) {
     plan_ = std::move(plan);
     out_ = {};
+    out_.uses.reach = reaches();
     out_.codegen = options_.codegen;
     out_.filter = grid_atlas_.filter;
     families_ = {};
@@ -69,6 +72,7 @@ class Generator : GlslWriter {
       if (plan_.needed[i] && !plan_.cut[i]) emit_object(Id<Object>{static_cast<std::uint32_t>(i)});
     }
     emit_colors();
+    if (reaches()) emit_bitmap_test();
     line("void evaluate(vec3 p) { {}; }", call(module_.root, "p", "0u"));
     add("evaluate");
   }
@@ -76,6 +80,7 @@ class Generator : GlslWriter {
   /// What a kernel calls, and before it the root object with all that it calls.
   std::vector<std::string> scene_functions() const {
     std::vector<std::string> names{"color_of", "evaluate"};
+    if (reaches()) names.emplace_back("has_bitmap");
     if (!plan_.cut[module_.root.index]) names.insert(names.begin(), object_name(module_.root));
     return names;
   }
@@ -207,19 +212,86 @@ class Generator : GlslWriter {
   std::string sdf_name(Id<Sdf> id) const { return fmt::format("negative_{}", id.index); }
 
   /// `f(local) <= iso` as one expression, the local point being q, or constant(q) if that is given.
-  std::string source_test(const Sdf& sdf, const Affine* constant, const std::string& q) {
+  std::string source_test(Id<Sdf> id, const Affine* constant, const std::string& q) {
+    const Sdf& sdf = at(module_.sdfs, id);
     if (const auto* function = std::get_if<Id<Function>>(&sdf.source)) {
       const std::string local = constant ? affine_expression(*constant, q, options_.fold_affine) : q;
-      return fmt::format("{}({}) <= {}", function_name(*function), local, glsl_float(static_cast<float>(sdf.iso)));
+      return comparison(id, fmt::format("{}({})", function_name(*function), local), 1.0, constant);
     }
     const auto grid_id = std::get<Id<voml::Grid>>(sdf.source);
     const voml::Grid& grid = at(module_.grids, grid_id);
     out_.uses.grid_atlas = true;
     const Affine atlas = lookup_from_local(grid, grid_id, grid_atlas_);
     const std::string at = affine_expression(constant ? atlas * *constant : atlas, q, options_.fold_affine);
-    const std::string iso = glsl_float(static_cast<float>(sdf.iso / grid_atlas_.scales[grid_id.index]));
-    if (grid_atlas_.filter != Filter::hardware) return fmt::format("sample_grid({}) <= {}", at, iso);
-    return fmt::format("textureLod(grid_atlas, {}, 0.0).r <= {}", at, iso);
+    const std::string value = grid_atlas_.filter == Filter::hardware ? fmt::format("textureLod(grid_atlas, {}, 0.0).r", at)
+                                                                     : fmt::format("sample_grid({})", at);
+    return comparison(id, value, grid_atlas_.scales[grid_id.index], constant);
+  }
+
+  /// `value <= iso`, the value being that of the source over `scale`.
+  std::string comparison(Id<Sdf> id, const std::string& value, double scale, const Affine* constant) const {
+    const std::string iso = glsl_float(static_cast<float>(at(module_.sdfs, id).iso / scale));
+    if (!reaches()) return fmt::format("{} <= {}", value, iso);
+    snippet::Steepness source = (*options_.steepness)[id.index];
+    if (constant != nullptr) {
+      source.error += source.slope * rounding_of(*constant);
+      source.slope *= largest_stretch(constant->linear);
+    }
+    // Both points that are compared are off.
+    return fmt::format("below({}, {}, {}, {})", value, iso, bound(source.slope / scale), bound(2.0 * source.error / scale));
+  }
+
+  // ---- how far answers hold (shaders/reach.glsl) ----
+
+  bool reaches() const { return options_.steepness != nullptr; }
+
+  /// A literal; what is infinite, or nearly, as a number that leaves no reach.
+  static std::string bound(double value) {
+    return glsl_float(value < 1e30 ? static_cast<float>(value) : 1e30f);
+  }
+
+  /// How far off a point of the standard cube is after the map, in units of its result.
+  static double rounding_of(const Affine& affine) { return glm::length(float_error(affine, glm::dvec3(1.0))); }
+
+  /// Of a point that `affine` took into a frame: the factor and the error of steps.
+  static std::string scaled_frame(const Affine& affine) {
+    const double stretch = largest_stretch(affine.linear);
+    return fmt::format("scaled(outer, {}, {})", bound(stretch), bound(rounding_of(affine) / stretch));
+  }
+
+  /// Of placements that are read from records: what their frames have in common.
+  struct Placements {
+    double skew = 1.0;   ///< the largest stretch over the longest row
+    double error = 0.0;  ///< of a point, as a step in the outer frame
+    void add(const Affine& affine) {
+      const glm::dmat3 rows = glm::transpose(affine.linear);
+      const double longest = std::max({glm::length(rows[0]), glm::length(rows[1]), glm::length(rows[2])});
+      const double stretch = largest_stretch(affine.linear);
+      skew = std::max(skew, stretch / longest);
+      error = std::max(error, rounding_of(affine) / stretch);
+    }
+    std::string frame(const std::string& affine) const {
+      return fmt::format("placed(outer, {}, {}, {})", affine, bound(skew), bound(error));
+    }
+  };
+
+  std::string limit_box(const LocalBox& box, const std::string& q, double slope, double error) const {
+    if (box.lo == glm::dvec3(-1.0) && box.hi == glm::dvec3(1.0)) {
+      return fmt::format("limit_cube({}, {}, {})", q, bound(slope), bound(error));
+    }
+    return fmt::format("limit_box({}, {}, {}, {}, {})", q, vec3_literal(box.lo), vec3_literal(box.hi), bound(slope), bound(error));
+  }
+
+  void emit_bitmap_test() {
+    open("bool has_bitmap(uint region)");
+    std::string test = "false";
+    for (std::size_t i = 0; i < module_.regions.size(); ++i) {
+      if (module_.regions[i].kind == voml::RegionKind::bitmap) test += fmt::format(" || region == {}u", i);
+    }
+    line("return {};", test);
+    close();
+    line("");
+    add("has_bitmap");
   }
 
   std::string box_test(const LocalBox& box, const std::string& q) const {
@@ -233,8 +305,8 @@ class Generator : GlslWriter {
     line("// {}", sdf.name);
     open(fmt::format("bool {}(vec3 p)", sdf_name(id)));
     switch (sdf.placement) {
-      case voml::Placement::single: emit_single(sdf); break;
-      case voml::Placement::tiled: emit_tiled(sdf); break;
+      case voml::Placement::single: emit_single(id, sdf); break;
+      case voml::Placement::tiled: emit_tiled(id, sdf); break;
       case voml::Placement::seeded: emit_seeded(id, sdf); break;
     }
     close();
@@ -242,20 +314,37 @@ class Generator : GlslWriter {
     add(sdf_name(id));
   }
 
-  void emit_single(const Sdf& sdf) {
+  void emit_single(Id<Sdf> id, const Sdf& sdf) {
     const Affine& affine = sdf.local_from_object.front();
     const LocalBox box = local_box(sdf, module_);
     if (options_.box_tests && cube_maps_into(affine, box)) {
-      line("return {};", source_test(sdf, &affine, "p"));
+      line("return {};", source_test(id, &affine, "p"));
       return;
     }
     line("vec3 q = {};", affine_expression(affine, "p", options_.fold_affine));
-    line("return {} && {};", box_test(box, "q"), source_test(sdf, nullptr, "q"));
+    if (!reaches()) {
+      line("return {} && {};", box_test(box, "q"), source_test(id, nullptr, "q"));
+      return;
+    }
+    line("Local outer = local;");
+    line("local = {};", scaled_frame(affine));
+    emit_boxed_test("bool negative = ", box, id);
+    line("local = outer;");
+    line("return negative;");
   }
 
-  void emit_tiled(const Sdf& sdf) {
+  /// Whether q lies in the box and is negative. Outside of it nothing is, so a positive point may cross its walls.
+  void emit_boxed_test(const std::string& result, const LocalBox& box, Id<Sdf> id) {
+    if (!reaches()) return line("{}{} && {};", result, box_test(box, "q"), source_test(id, nullptr, "q"));
+    line("bool inside = {};", box_test(box, "q"));
+    line("{}inside && {};", result, source_test(id, nullptr, "q"));
+    line("if (inside == negative) {};", limit_box(box, "q", 1.0, 0.0));
+  }
+
+  void emit_tiled(Id<Sdf> id, const Sdf& sdf) {
     line("vec3 q = wrap_cube({});", affine_expression(sdf.local_from_object.front(), "p", options_.fold_affine));
-    line("return {} && {};", box_test(local_box(sdf, module_), "q"), source_test(sdf, nullptr, "q"));
+    if (reaches()) line("limit(0.0, 1.0);");
+    line("return {} && {};", box_test(local_box(sdf, module_), "q"), source_test(id, nullptr, "q"));
   }
 
   /// Three, even if they are equal: the shape does not depend on the values.
@@ -270,23 +359,38 @@ class Generator : GlslWriter {
                        lookup.first_cell);
   }
 
+  /// The range of p's cell in the lists.
+  void emit_range(const gpu::LookupRecord& lookup, const std::string& p) {
+    line("uvec2 range = {};", find_cell(lookup, p));
+    if (!reaches()) return;
+    line("limit_cell({}, {}, {}, uvec3({}u, {}u, {}u));", p, components(lookup.lo), components(lookup.cells_per_unit),
+         fmt::format("{}", lookup.size_x), fmt::format("{}", lookup.size_y), fmt::format("{}", lookup.size_z));
+  }
+
   void emit_seeded(Id<Sdf> id, const Sdf& sdf) {
     const gpu::SdfRecord& record = records_.sdfs[id.index];
-    line("uvec2 range = {};", find_cell(record.lookup, "p"));
+    emit_range(record.lookup, "p");
     line("uint asked = 0u;");
     line("bool negative = false;");
+    if (reaches()) line("Local outer = local;");
     open("for (uint i = range.x; i < range.y && !negative; ++i)");
     line("++asked;");
+    Placements seeds;
+    for (const Affine& affine : sdf.local_from_object) seeds.add(affine);
     if (const std::uint32_t first = records_.first_scaling[id.index]; first != no_scaling && options_.fold_affine) {
       out_.uses.scalings = true;
       line("vec4 scaling = scalings[{} + lists[i]];", fmt::format("{}u", first));
       line("vec3 q = p * scaling.w + scaling.xyz;");
+      if (reaches()) line("local = scaled(outer, abs(scaling.w), {});", bound(seeds.error));
     } else {
       out_.uses.placements = true;
-      line("vec3 q = apply(placements[{} + lists[i]].local_from_object, p);", fmt::format("{}u", record.first_placement));
+      const std::string placement = fmt::format("placements[{}u + lists[i]].local_from_object", record.first_placement);
+      line("vec3 q = apply({}, p);", placement);
+      if (reaches()) line("local = {};", seeds.frame(placement));
     }
-    line("negative = {} && {};", box_test(local_box(sdf, module_), "q"), source_test(sdf, nullptr, "q"));
+    emit_boxed_test("negative = ", asked_box(sdf, module_), id);
     close();
+    if (reaches()) line("local = outer;");
     line("hit_unfinished = hit_unfinished || (!negative && asked != range.y - range.x);");
     line("return negative;");
   }
@@ -413,6 +517,7 @@ class Generator : GlslWriter {
     open(asked.empty() ? "" : fmt::format("if ({})", asked));
     if (group.box_from_object) {
       line("vec3 b = {};", affine_expression(*group.box_from_object, "p", options_.fold_affine));
+      if (reaches()) line("{};", limit_group_box(*group.box_from_object));
       open("if (in_cube(b))");
     }
     emit_candidate_loop(region, g, record);
@@ -420,24 +525,58 @@ class Generator : GlslWriter {
     close();
   }
 
+  /// Of point b in the frame of a group's box.
+  std::string limit_group_box(const Affine& box_from_object) const {
+    return fmt::format("limit_cube(b, {}, {})", bound(largest_stretch(box_from_object.linear)),
+                       bound(2.0 * rounding_of(box_from_object)));
+  }
+
   /// The call stands in no condition: a chain of objects, each in the one before, is as deep as one.
   void emit_one_candidate(Id<Region> region, const CandidateGroup& group, const std::string& asked) {
     const Candidate& candidate = group.candidates.front();
+    const LocalBox& content = at(module_.objects, candidate.object).content;
     open("");
     std::string enter = asked;
     const auto also = [&](const std::string& condition) { enter += (enter.empty() ? "" : " && ") + condition; };
+    const auto asked_here = [&] { return enter.empty() ? std::string("true") : enter; };
     if (group.box_from_object) {
       line("vec3 b = {};", affine_expression(*group.box_from_object, "p", options_.fold_affine));
+      if (reaches()) line("if ({}) {};", asked_here(), limit_group_box(*group.box_from_object));
       also("in_cube(b)");
     }
     const std::string q = affine_expression(candidate.local_from_parent, "p", options_.fold_affine);
     line(candidate.tiled ? "vec3 q = wrap_cube({});" : "vec3 q = {};", q);
-    if (!candidate.tiled) also("in_cube(q)");
-    line("bool enter = {};", enter.empty() ? "true" : enter);
+    if (reaches()) {
+      line("Local outer = local;");
+      line("local = {};", scaled_frame(candidate.local_from_parent));
+      line(candidate.tiled ? "if ({}) limit(0.0, 1.0);" : "if (({}) && !{}) {};", asked_here(), box_test(content, "q"),
+           limit_box(content, "q", 1.0, 0.0));
+    }
+    if (!candidate.tiled) also(box_test(content, "q"));
+    line("bool enter = {};", asked_here());
     line("{};", call(candidate.object, "q", "level + 1u", "enter"));
+    if (reaches()) {
+      if (!candidate.tiled) line("if (enter && hit_number != 0u) {};", limit_box(content, "q", 1.0, 0.0));
+      line("local = outer;");
+    }
     line("if (enter && hit_number != 0u) came_through({}u, {}u, level);", fmt::format("{}", region.index),
          fmt::format("{}", group.first_number));
     close();
+  }
+
+  /// Where a group's candidates are asked, q being a point in the frame of one.
+  struct CubeTest {
+    std::string holds;  ///< is q there?
+    std::string limit;  ///< how far q's answer holds, by that
+  };
+
+  /// In one box if all objects have it; else each where its record says.
+  CubeTest cube_test(const std::set<Id<Object>>& objects, const std::string& placement) const {
+    const LocalBox& first = at(module_.objects, *objects.begin()).content;
+    const bool alike = std::ranges::all_of(objects, [&](Id<Object> object) { return at(module_.objects, object).content == first; });
+    if (alike) return {box_test(first, "q"), limit_box(first, "q", 1.0, 0.0)};
+    const std::string extent = fmt::format("extent_of({}.extent)", placement);
+    return {fmt::format("in_extent(q, {})", extent), fmt::format("limit_box(q, -{0}, {0}, 1.0, 0.0)", extent)};
   }
 
   void emit_candidate_loop(Id<Region> region, std::size_t g, const gpu::GroupRecord& record) {
@@ -445,26 +584,37 @@ class Generator : GlslWriter {
     out_.uses.placements = true;
     const bool any_tiled = std::any_of(group.candidates.begin(), group.candidates.end(),
                                        [](const Candidate& candidate) { return candidate.tiled; });
-    line("uvec2 range = {};", find_cell(record.lookup, group.box_from_object ? "b" : "p"));
+    if (reaches()) line("Local outer = local;");
+    if (reaches() && group.box_from_object) line("local = {};", scaled_frame(*group.box_from_object));
+    emit_range(record.lookup, group.box_from_object ? "b" : "p");
+    Placements candidates;
+    std::set<Id<Object>> objects;
+    for (const Candidate& candidate : group.candidates) {
+      candidates.add(candidate.local_from_parent);
+      objects.insert(candidate.object);
+    }
+    CubeTest cube = cube_test(objects, fmt::format("placements[{}u + c]", record.first_placement));
     line("uint i = range.x;");
     line("uint asked = 0u;");
     open("while (i < range.y && hit_number == 0u)");
     line("uint c = 0u;");
     line("vec3 q = p;");
     line("bool held = false;");
-    emit_search(record, any_tiled);
+    emit_search(record, any_tiled, candidates, cube);
     open("if (held)");
     emit_calls(plan_.calls[region.index][g], record);
+    if (reaches()) line("if (hit_number != 0u) {};", cube.limit);
     line("if (hit_number != 0u) came_through({}u, {}, level);", fmt::format("{}", region.index),
          group.first_number == 0 ? std::string("c") : fmt::format("{}u + c", group.first_number));
     close();
     close();
+    if (reaches()) line("local = outer;");
     line("hit_unfinished = hit_unfinished || (hit_number == 0u && asked != range.y - range.x);");
   }
 
   /// To the next candidate whose cube holds the point. A loop of its own: all points search, then all that have found one
   /// evaluate it (Aila and Laine 2009, while-while), and the evaluation's rounds are no more than a point's finds.
-  void emit_search(const gpu::GroupRecord& record, bool any_tiled) {
+  void emit_search(const gpu::GroupRecord& record, bool any_tiled, const Placements& candidates, const CubeTest& cube) {
     const std::string placement = fmt::format("placements[{}u + c]", record.first_placement);
     open("for (; i < range.y && !held; ++i)");
     line("++asked;");
@@ -472,7 +622,12 @@ class Generator : GlslWriter {
     line("q = apply({}.local_from_object, p);", placement);
     if (any_tiled) line("bool tiled = {}.tiled != 0u;", placement);
     if (any_tiled) line("if (tiled) q = wrap_cube(q);");
-    line(any_tiled ? "held = tiled || in_cube(q);" : "held = in_cube(q);");
+    line(any_tiled ? "held = tiled || {};" : "held = {};", cube.holds);
+    if (reaches()) {
+      line("local = {};", candidates.frame(placement + ".local_from_object"));
+      if (any_tiled) line("if (tiled) limit(0.0, 1.0);");
+      line("if (!held) {};", cube.limit);
+    }
     close();
   }
 

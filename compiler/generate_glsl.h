@@ -24,6 +24,7 @@ struct Uses {
   bool parameters = false;  ///< of united functions
   bool time = false;        ///< what depends on time alone
   bool region_colors = false;  ///< regions, for their colours
+  bool reach = false;          ///< the text tells how far its answers hold, if its kernel asks
 };
 
 struct GlslOptions {
@@ -34,6 +35,7 @@ struct GlslOptions {
   bool box_tests = true;    ///< leave out box tests that the standard cube already answers
   const Tapes* tapes = nullptr;  ///< functions that are tapes; none: all are written out
   bool unite_shapes = true;  ///< candidates' objects that are equal but for their numbers share one function
+  const std::vector<snippet::Steepness>* steepness = nullptr;  ///< of each SDF's source: for answers that tell how far they hold
 };
 
 /// The evaluation of a module: `void evaluate(vec3 p)` and `vec4 color_of(uint region, vec3 p)` with what they call.

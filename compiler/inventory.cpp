@@ -211,7 +211,7 @@ class StockTaking {
         object.placements += static_cast<std::uint32_t>(group.candidates.size());
         bytes.groups += sizeof(gpu::GroupRecord);
         bytes.placements += group.candidates.size() * sizeof(gpu::PlacementRecord);
-        count_lookup(placed_boxes(group), group.index_size, lookup_frame_error(group), bytes);
+        count_lookup(placed_boxes(group, module_), group.index_size, lookup_frame_error(group), bytes);
       }
     }
     for (const std::uint32_t i : grids) add_texels(object, module_.grids[i].values.size(), options_.atlas_format);

@@ -44,6 +44,8 @@ std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Ker
   std::string text = "#version 460\n";
   text += fmt::format("#define DMVV_DEPTH {}\n", depth);
   if (kernel == Kernel::points) text += "#define DMVV_PATHS\n";
+  if (uses.reach) text += "#define DMVV_REACH\n";
+  if (kernel == Kernel::leaders) text += "#define DMVV_LEADERS\n";
   if (uses.lists) text += "#define DMVV_LISTS\n";
   if (uses.grid_atlas) text += "#define DMVV_GRIDS\n";
   if (own_filter) text += "#define DMVV_FILTER\n";
@@ -51,9 +53,10 @@ std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Ker
   if (!evaluation.functions.empty()) text += "#define DMVV_FUNCTIONS\n";
   text += shader_text::records;
   text += bindings(uses);
-  if (kernel == Kernel::pixels) text += shader_text::surface;
-  if (kernel == Kernel::pixels) text += shader_text::pixel_io;
+  if (kernel != Kernel::points) text += shader_text::surface;
+  if (kernel != Kernel::points) text += shader_text::pixel_io;
   text += shader_text::evaluate;
+  if (uses.reach) text += shader_text::reach;
   if (own_filter) text += shader_text::filter;
   text += evaluation.functions;
   if (uses.walker) text += evaluation.codegen == Codegen::thesis ? shader_text::walk_thesis : shader_text::walk;

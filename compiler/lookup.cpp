@@ -94,10 +94,10 @@ struct CellRange {
   glm::uvec3 end{0};
 };
 
-glm::dvec3 cell_margin(const Lookup& grid, const glm::dvec3& frame_error) {
+glm::dvec3 cell_margin(const Lookup& grid, const glm::dvec3& frame_error, double widened) {
   // The shader rounds lo, p - lo and the product with cells a unit: four half ulps of numbers up to 2, and ulps of u.
   const glm::dvec3 cell = (grid.hi - grid.lo) / glm::dvec3(grid.size);
-  return frame_error + 8.0 * float_unit * (glm::abs(grid.lo) + 2.0) + 1e-6 * cell;
+  return frame_error + 8.0 * float_unit * (glm::abs(grid.lo) + 2.0) + (1e-6 + widened) * cell;
 }
 
 CellRange cell_range(const Lookup& grid, const Box& box, const glm::dvec3& margin) {
@@ -175,7 +175,7 @@ std::span<const std::uint32_t> Lookup::at(const glm::dvec3& p) const {
 }
 
 Lookup build_lookup(std::span<const PlacedBox> placements, const glm::uvec3& wish,
-                    const glm::dvec3& frame_error, bool refine) {
+                    const glm::dvec3& frame_error, bool refine, double widened) {
   std::vector<Box> boxes;
   boxes.reserve(placements.size());
   for (const PlacedBox& placed : placements) boxes.push_back(frame_bounds(placed));
@@ -188,10 +188,10 @@ Lookup build_lookup(std::span<const PlacedBox> placements, const glm::uvec3& wis
 
   // Step 1: coarser cells while placements overlap so much that the work or the lists would be huge.
   // Step 2: counts of entries become starts. Step 3: fill, placements ascending.
-  glm::dvec3 margin = cell_margin(grid, frame_error);
+  glm::dvec3 margin = cell_margin(grid, frame_error, widened);
   const auto coarsen = [&] {
     grid.size = (grid.size + 1u) / 2u;
-    margin = cell_margin(grid, frame_error);
+    margin = cell_margin(grid, frame_error, widened);
   };
   while (grid.size != glm::uvec3(1) && touched_cells(grid, boxes, margin) > most_touched(placements.size())) coarsen();
   count_entries(grid, placements, boxes, margin);

@@ -147,7 +147,7 @@ class Lowering {
 
   void lower_object(Id<voml::Object> id) {
     current_ = id;
-    objects_[id] = append(module_.objects, Object{at(scene_.objects, id).name, {}});
+    objects_[id] = append(module_.objects, Object{at(scene_.objects, id).name, {}, {}});
     const Id<Node> root = lower_tree(at(scene_.objects, id).root);
     at(module_.objects, objects_[id]).root = root;
   }

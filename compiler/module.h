@@ -23,6 +23,13 @@ struct Function {
   snippet::Snippet snippet;
 };
 
+/// A box in a local frame; by default the standard cube.
+struct LocalBox {
+  glm::dvec3 lo{-1.0};
+  glm::dvec3 hi{1.0};
+  friend bool operator==(const LocalBox&, const LocalBox&) = default;
+};
+
 /// A signed distance source with its placements.
 ///
 /// value(p) = min over placements of f(local_from_object * p), +infinity where a placement's box does not hold the
@@ -35,6 +42,7 @@ struct Sdf {
   std::vector<Affine> local_from_object;  ///< one, or one a seed in file order
   glm::uvec3 index_size{0};               ///< the author's wish; 0: the compiler chooses
   double iso = 0.0;
+  LocalBox content;  ///< of the local frame: beyond it no device finds the source at or below iso (content.h)
 };
 
 struct Object;
@@ -81,6 +89,7 @@ struct Node {
 struct Object {
   std::string name;
   Id<Node> root;
+  LocalBox content;  ///< beyond it every device finds the object empty (content.h)
 };
 
 struct Module {

@@ -25,8 +25,9 @@ enum class Codegen : std::uint8_t {
 enum class Kernel : std::uint8_t {
   points,  ///< points in a buffer -> region, path and colour of each
   pixels,  ///< surface positions in images -> colour and region of each pixel
+  leaders,  ///< as pixels, and how far each answer holds; if made at all (CompileOptions::many_frames)
 };
-inline constexpr std::size_t kernel_count = 2;
+inline constexpr std::size_t kernel_count = 3;
 
 /// Normalised formats hold value / scale, one scale a grid (compiler/texels.h).
 enum class TexelFormat : std::uint8_t {

@@ -155,7 +155,7 @@ struct Reference::Impl {
       for (const CandidateGroup& group : region.groups) {
         groups.back().emplace_back();
         if (!indexed(group.candidates.size())) continue;
-        groups.back().back() = build_lookup(placed_boxes(group), glm::uvec3(0), lookup_frame_error(group));
+        groups.back().back() = build_lookup(placed_boxes(group, module), glm::uvec3(0), lookup_frame_error(group));
       }
     }
   }

@@ -28,11 +28,7 @@ inline ErrorBound carry(const Affine& affine, const ErrorBound& error, const glm
   for (int i = 0; i < 3; ++i) {
     carried[i] = std::min(glm::dot(glm::abs(rows[i]), error.component), lengths[i] * error.length);
   }
-  // The largest singular value: that of rows at right angles is the longest row; Gershgorin's bound for any others.
-  const double xy = std::abs(glm::dot(rows[0], rows[1])), xz = std::abs(glm::dot(rows[0], rows[2])),
-               yz = std::abs(glm::dot(rows[1], rows[2]));
-  const glm::dvec3 squares = lengths * lengths + glm::dvec3(xy + xz, xy + yz, xz + yz);
-  const double magnified = std::sqrt(std::max({squares.x, squares.y, squares.z})) * error.length;
+  const double magnified = largest_stretch(affine.linear) * error.length;
   ErrorBound out{carried + added, 0.0};
   out.length = std::min(glm::length(out.component), magnified + glm::length(added));
   return out;

@@ -23,9 +23,7 @@ std::string validate(const std::vector<std::uint32_t>& spirv) {
   return tools.Validate(spirv) ? std::string() : "spirv-val: " + log;
 }
 
-}  // namespace
-
-Result<void> to_spirv(Program& program, Kernel kernel, const CodeCache& cache) {
+Result<void> compile_kernel(Program& program, Kernel kernel, const CodeCache& cache) {
   const std::string& glsl = program.glsl[static_cast<std::size_t>(kernel)];
   std::vector<std::uint32_t>& code = program.spirv[static_cast<std::size_t>(kernel)];
   const std::string key = code_key(ShaderStage::compute, glsl);
@@ -37,6 +35,16 @@ Result<void> to_spirv(Program& program, Kernel kernel, const CodeCache& cache) {
   code = std::move(compiled.spirv);
   if (cache.keep) cache.keep(key, code);
   return {};
+}
+
+}  // namespace
+
+Result<void> to_spirv(Program& program, Kernel kernel, const CodeCache& cache) {
+  const bool has_leaders = !program.glsl[static_cast<std::size_t>(Kernel::leaders)].empty();
+  if (kernel == Kernel::pixels && has_leaders) {
+    if (auto made = compile_kernel(program, Kernel::leaders, cache); !made) return made;
+  }
+  return compile_kernel(program, kernel, cache);
 }
 
 }  // namespace dmvv::compiler

@@ -53,7 +53,7 @@ struct Scene {
 
   Scene() {
     module.root = {0};
-    module.objects.push_back({"ROOT", {}});
+    module.objects.push_back({"ROOT", {}, {}});
   }
 
   Id<compiler::Region> region(std::uint32_t number) {
@@ -126,7 +126,7 @@ compiler::Module candidates(std::size_t count) {
   Scene scene;
   const Id<compiler::Region> region = scene.region(0);
   scene.module.objects[0].root = scene.leaf(region);
-  scene.module.objects.push_back({"TINY", scene.leaf(scene.region(1))});
+  scene.module.objects.push_back({"TINY", scene.leaf(scene.region(1)), {}});
   compiler::CandidateGroup group;
   for (std::size_t i = 0; i < count; ++i) {
     const double away = 1e4 + static_cast<double>(i);

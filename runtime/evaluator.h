@@ -6,6 +6,7 @@
 
 #include "runtime/gpu.h"
 #include "runtime/raster.h"
+#include "runtime/leaders.h"
 #include "runtime/verdicts.h"
 
 namespace dmvv::runtime {
@@ -47,6 +48,7 @@ struct Frame {
   Targets targets;
   Wanted wanted;
   GpuImage color, bytes, region;  ///< those that are not wanted have one pixel
+  GpuImage leader_place, leader_color, leader_region;  ///< of each tile of DMVV_LEADER_TILE; likewise
   GpuBuffer list;                 ///< PixelListHeader, then a word a pixel
   GpuBuffer readback;             ///< positions if wanted, colours, region numbers if wanted, a PixelListHeader
   GpuBuffer slice_surface;        ///< made for the first slice
@@ -64,6 +66,13 @@ struct FramePasses {
   bool verdicts = true;
   bool keep_still = true;
   bool clusters = true;
+  bool reach = true;
+};
+
+/// How a tile's pixels are evaluated.
+struct Course {
+  bool classifies = false;  ///< by verdicts
+  bool leads = false;       ///< leaders first
 };
 
 struct Evaluator::Impl {
@@ -87,8 +96,9 @@ struct Evaluator::Impl {
 
   // Made when first needed.
   std::optional<KernelPipeline> points, list, count_groups, classify, count_hits;
-  std::map<std::array<vk::Bool32, 3>, KernelPipeline> pixels, paint;  ///< by the specialisation constants
+  std::map<std::array<vk::Bool32, 3>, KernelPipeline> pixels, leaders, follow, paint;  ///< by the specialisation constants
   std::optional<Verdicts> verdicts;
+  Leaders asked_leaders;
   bool has_drawn = false;  ///< a frame beyond the warm-up: another one may follow, and verdicts pay
   std::optional<Rasteriser> rasteriser;
   std::optional<Frame> frame;
@@ -114,9 +124,12 @@ struct Evaluator::Impl {
   Result<void> warm_up(const Shot& shot, vk::Extent2D extent, const Wanted& wanted, const FramePasses& passes,
                        Timings* timings);
   Frame make_frame(vk::Extent2D extent, const Wanted& wanted) const;
+  bool has_leaders() const { return !code[static_cast<std::size_t>(compiler::Kernel::leaders)].empty(); }
   void make_verdicts(const Wanted& wanted);
-  void evaluate_tile(const vk::raii::CommandBuffer& commands, const gpu::PixelsParams& params, const FramePasses& passes,
-                     bool classifies);
+  void make_leaders(const Wanted& wanted);
+  void prepare_images(const vk::raii::CommandBuffer& commands, bool kept, bool clears, const Course& course);
+  void evaluate_tile(const vk::raii::CommandBuffer& commands, gpu::PixelsParams params, const FramePasses& passes,
+                     const Course& course);
   /// Returns the milliseconds on the device (Device::Impl::run); 0 where the frame held the tile already.
   double render_tile(const Shot& shot, const Tile& tile, const FramePasses& passes);
 };

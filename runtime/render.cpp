@@ -1,5 +1,6 @@
 // One picture: tile by tile the surface is drawn (or a slice's points are uploaded), evaluated and read back.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <glm/common.hpp>
@@ -9,6 +10,7 @@
 #include "spirv/classify_comp.h"
 #include "spirv/count_groups_comp.h"
 #include "spirv/count_hits_comp.h"
+#include "spirv/follow_comp.h"
 #include "spirv/list_comp.h"
 #include "spirv/paint_bitmaps_comp.h"
 #include "spirv/paint_comp.h"
@@ -24,10 +26,9 @@ constexpr std::uint32_t longest_picture_px = 16384;
 constexpr std::uint32_t widest_tile_px = 2048;
 constexpr std::uint32_t tile_budget_px = 1u << 21;  // some 220 MiB of images and buffers
 constexpr glm::uvec2 warm_up_px{DMVV_PIXELS_BLOCK, DMVV_PIXELS_BLOCK};
-constexpr std::array pixel_io{vk::DescriptorType::eStorageImage, vk::DescriptorType::eStorageImage,
-                              vk::DescriptorType::eStorageImage, vk::DescriptorType::eStorageImage,
-                              vk::DescriptorType::eStorageBuffer};
-constexpr std::size_t images_of_pixel_io = 4;
+constexpr auto storage_image = vk::DescriptorType::eStorageImage;
+constexpr std::array pixel_io{storage_image, storage_image, storage_image, storage_image, vk::DescriptorType::eStorageBuffer,
+                              storage_image, storage_image, storage_image};
 
 constexpr vk::ImageSubresourceLayers color_layer{vk::ImageAspectFlagBits::eColor, 0, 0, 1};
 constexpr vk::ImageSubresourceRange color_range{vk::ImageAspectFlagBits::eColor, 0, 1, 0, 1};
@@ -217,6 +218,7 @@ const std::vector<FramePassInfo>& frame_pass_names() {
       {"keep-surface", "what stands still before a camera that stands still is not drawn again"},
       {"keep-picture", "a frame in which nothing changed is not evaluated again"},
       {"verdicts", "where a proof tells the answer, nothing is evaluated; proofs are made from the second frame on"},
+      {"reach", "one pixel of 4 x 4 tells how far its answer holds; those within are not evaluated"},
       {"keep-still", "while only the time changes, what does not depend on it is not evaluated again"},
   };
   return passes;
@@ -237,10 +239,14 @@ bool operator==(const ShadingKey& a, const ShadingKey& b) {
 
 Frame Evaluator::Impl::make_frame(vk::Extent2D extent, const Wanted& wanted) const {
   using Usage = vk::ImageUsageFlagBits;
-  const auto storage = [&](vk::Format format, bool is_wanted) {
-    const vk::Extent3D size{is_wanted ? extent.width : 1, is_wanted ? extent.height : 1, 1};
+  const auto image = [&](vk::Format format, const vk::Extent3D& size) {
     return gpu.make_image(vk::ImageType::e2D, format, size, Usage::eStorage | Usage::eTransferSrc | Usage::eTransferDst);
   };
+  const auto storage = [&](vk::Format format, bool is_wanted) {
+    return image(format, {is_wanted ? extent.width : 1, is_wanted ? extent.height : 1, 1});
+  };
+  const auto tiles = [&](std::uint32_t px) { return has_leaders() ? px / DMVV_LEADER_TILE + 1 : 1; };
+  const vk::Extent3D tile_extent{tiles(extent.width), tiles(extent.height), 1};
   const bool as_bytes = wanted.colors == Colors::bytes;
   const std::size_t count = std::size_t{extent.width} * extent.height;
   Frame made;
@@ -249,30 +255,40 @@ Frame Evaluator::Impl::make_frame(vk::Extent2D extent, const Wanted& wanted) con
   made.color = storage(vk::Format::eR32G32B32A32Sfloat, !as_bytes);
   made.bytes = storage(vk::Format::eR32Uint, as_bytes);
   made.region = storage(vk::Format::eR32Uint, wanted.regions);
+  made.leader_place = image(vk::Format::eR32G32B32A32Sfloat, tile_extent);
+  made.leader_color = image(vk::Format::eR32G32B32A32Sfloat, tile_extent);
+  made.leader_region = image(vk::Format::eR32Uint, tile_extent);
   using BufferUse = vk::BufferUsageFlagBits;
-  made.list = gpu.make_buffer(sizeof(gpu::PixelListHeader) + 8 * count,
+  const std::size_t entries = has_leaders() ? 2 * count + std::size_t{tile_extent.width} * tile_extent.height : count;
+  made.list = gpu.make_buffer(sizeof(gpu::PixelListHeader) + 8 * entries,
                               BufferUse::eStorageBuffer | BufferUse::eIndirectBuffer | BufferUse::eTransferSrc |
                                   BufferUse::eTransferDst,
                               MemoryUse::device);
   made.readback = gpu.make_buffer(ReadbackLayout(count, wanted).bytes, BufferUse::eTransferDst, MemoryUse::readback);
   made.pool = make_pool(pixel_io);
   made.io_set = make_set(made.pool, list->io_layout);
-  const std::array images{vk::DescriptorImageInfo{{}, *made.targets.surface.view, Layout::eGeneral},
-                          vk::DescriptorImageInfo{{}, *made.color.view, Layout::eGeneral},
-                          vk::DescriptorImageInfo{{}, *made.bytes.view, Layout::eGeneral},
-                          vk::DescriptorImageInfo{{}, *made.region.view, Layout::eGeneral}};
-  static_assert(images.size() == images_of_pixel_io);
+  const auto write_image = [&](std::uint32_t binding, const GpuImage& written) {
+    const vk::DescriptorImageInfo info{{}, *written.view, Layout::eGeneral};
+    gpu.device.updateDescriptorSets(vk::WriteDescriptorSet{.dstSet = *made.io_set,
+                                                           .dstBinding = binding,
+                                                           .descriptorCount = 1,
+                                                           .descriptorType = storage_image,
+                                                           .pImageInfo = &info},
+                                    nullptr);
+  };
+  write_image(DMVV_BIND_SURFACE, made.targets.surface);
+  write_image(DMVV_BIND_COLOR, made.color);
+  write_image(DMVV_BIND_BYTES, made.bytes);
+  write_image(DMVV_BIND_REGION, made.region);
+  write_image(DMVV_BIND_LEADER_PLACE, made.leader_place);
+  write_image(DMVV_BIND_LEADER_COLOR, made.leader_color);
+  write_image(DMVV_BIND_LEADER_REGION, made.leader_region);
   const vk::DescriptorBufferInfo list_info{*made.list.buffer, 0, VK_WHOLE_SIZE};
-  gpu.device.updateDescriptorSets({vk::WriteDescriptorSet{.dstSet = *made.io_set,
-                                                          .dstBinding = DMVV_BIND_SURFACE,
-                                                          .descriptorCount = images.size(),
-                                                          .descriptorType = pixel_io.front(),
-                                                          .pImageInfo = images.data()},
-                                   vk::WriteDescriptorSet{.dstSet = *made.io_set,
-                                                          .dstBinding = DMVV_BIND_LIST,
-                                                          .descriptorCount = 1,
-                                                          .descriptorType = pixel_io.back(),
-                                                          .pBufferInfo = &list_info}},
+  gpu.device.updateDescriptorSets(vk::WriteDescriptorSet{.dstSet = *made.io_set,
+                                                         .dstBinding = DMVV_BIND_LIST,
+                                                         .descriptorCount = 1,
+                                                         .descriptorType = vk::DescriptorType::eStorageBuffer,
+                                                         .pBufferInfo = &list_info},
                                   nullptr);
   return made;
 }
@@ -292,62 +308,99 @@ void Evaluator::Impl::make_verdicts(const Wanted& wanted) {
   paint.emplace(constants, has_bitmaps ? make(paint_bitmaps_comp, constants) : make(paint_comp, constants));
 }
 
-/// Lists the pixels that show a surface and that no verdict answers, and evaluates those; or all.
-void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, const gpu::PixelsParams& params,
-                                    const FramePasses& passes, bool classifies) {
-  const bool kept = params.keeps_still != 0, as_bytes = frame->wanted.colors == Colors::bytes;
-  const gpu::PixelListHeader nothing{0, 1, 1, 0, 1, 1, {0, 0}, 0, 0, 0, 0};
+/// Made when it is known to pay.
+void Evaluator::Impl::make_leaders(const Wanted& wanted) {
+  const auto constants = kernel_constants(wanted, {});
+  if (leaders.contains(constants)) return;
+  leaders.emplace(constants, std::move(*make_kernel(compiler::Kernel::leaders, pixel_io, sizeof(gpu::PixelsParams), constants)));
+  follow.emplace(constants, make_pipeline(follow_comp, pixel_io, sizeof(gpu::PixelsParams), constants));
+}
+
+/// Clears what the frame does not keep, and makes its images ready to be written.
+void Evaluator::Impl::prepare_images(const vk::raii::CommandBuffer& commands, bool kept, bool clears, const Course& course) {
+  const bool as_bytes = frame->wanted.colors == Colors::bytes;
+  const gpu::PixelListHeader nothing{{{0, 1, 1}, {0, 1, 1}, {0, 1, 1}, {0, 1, 1}}, {0, 0, 0, 0}, 0, 0, 0, 0};
   commands.updateBuffer<gpu::PixelListHeader>(*frame->list.buffer, 0, nothing);
   commands.pipelineBarrier(Stage::eTransfer, Stage::eComputeShader | Stage::eTransfer, {}, nullptr, nullptr,
                            {begin_writing(frame->color, kept && !as_bytes), begin_writing(frame->bytes, kept && as_bytes),
-                            begin_writing(frame->region, kept && frame->wanted.regions)});
-  if (passes.pixel_list && !kept) {  // what is not evaluated is empty
-    const vk::ClearColorValue empty{};
-    commands.clearColorImage(as_bytes ? *frame->bytes.image : *frame->color.image,
-                             Layout::eGeneral, empty, color_range);
+                            begin_writing(frame->region, kept && frame->wanted.regions),
+                            begin_writing(frame->leader_place, false), begin_writing(frame->leader_color, false),
+                            begin_writing(frame->leader_region, false)});
+  const vk::ClearColorValue empty{}, unknown{std::array{0.0f, 0.0f, 0.0f, -1.0f}};
+  if (clears) {  // what is not evaluated is empty
+    commands.clearColorImage(as_bytes ? *frame->bytes.image : *frame->color.image, Layout::eGeneral, empty, color_range);
     if (frame->wanted.regions) commands.clearColorImage(*frame->region.image, Layout::eGeneral, empty, color_range);
   }
+  if (course.leads) commands.clearColorImage(*frame->leader_place.image, Layout::eGeneral, unknown, color_range);
   const vk::MemoryBarrier cleared{.srcAccessMask = Access::eTransferWrite,
                                   .dstAccessMask = Access::eShaderRead | Access::eShaderWrite};
   commands.pipelineBarrier(Stage::eTransfer, Stage::eComputeShader, {}, cleared, nullptr, nullptr);
+}
 
+/// Lists the pixels that show a surface and that no verdict answers, and evaluates those; or all. With leaders, those first,
+/// and of the others whom they do not answer for.
+void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, gpu::PixelsParams params,
+                                    const FramePasses& passes, const Course& course) {
+  const bool kept = params.keeps_still != 0;
+  prepare_images(commands, kept, passes.pixel_list && !kept, course);
   const auto compute = vk::PipelineBindPoint::eCompute;
-  const auto blocks = [](std::uint32_t px) { return (px + DMVV_PIXELS_BLOCK - 1) / DMVV_PIXELS_BLOCK; };
-  const std::uint32_t groups = blocks(params.width) * blocks(params.height), runs = groups * DMVV_PIXELS_BLOCK;
-  const auto bind = [&](const KernelPipeline& kernel) {
+  const auto bind = [&](const KernelPipeline& kernel, std::uint32_t listed = DMVV_TO_EVALUATE) {
+    params.listed_kind = listed;
     commands.bindPipeline(compute, *kernel.pipeline);
     commands.bindDescriptorSets(compute, *kernel.layout, 0, {*scene_set, *frame->io_set}, nullptr);
     commands.pushConstants<gpu::PixelsParams>(*kernel.layout, vk::ShaderStageFlagBits::eCompute, 0, params);
   };
-  const auto bind_verdicts = [&](const KernelPipeline& kernel) {
-    bind(kernel);
+  const auto bind_verdicts = [&](const KernelPipeline& kernel, std::uint32_t listed = DMVV_TO_EVALUATE) {
+    bind(kernel, listed);
     commands.bindDescriptorSets(compute, *kernel.layout, 2, *verdicts->set(), nullptr);
   };
-  const auto wait = [&](vk::AccessFlags more, vk::PipelineStageFlags stages) {
+  const auto wait = [&](vk::AccessFlags more = {}, vk::PipelineStageFlags stages = {}) {
     const vk::MemoryBarrier written{.srcAccessMask = Access::eShaderWrite,
                                     .dstAccessMask = Access::eShaderRead | Access::eShaderWrite | more};
     commands.pipelineBarrier(Stage::eComputeShader, Stage::eComputeShader | stages, {}, written, nullptr, nullptr);
   };
-  const KernelPipeline& evaluates = pixels.at(kernel_constants(frame->wanted, passes));
+  const auto count = [&] {
+    wait();
+    bind(*count_groups);
+    commands.dispatch(1, 1, 1);
+    wait(Access::eIndirectCommandRead, Stage::eDrawIndirect);
+  };
+  const auto dispatch = [&](std::uint32_t listed) {
+    commands.dispatchIndirect(*frame->list.buffer, listed * sizeof(gpu::Groups));
+  };
+  const auto blocks = [](std::uint32_t px) { return (px + DMVV_PIXELS_BLOCK - 1) / DMVV_PIXELS_BLOCK; };
+  const std::uint32_t groups = blocks(params.width) * blocks(params.height), runs = groups * DMVV_PIXELS_BLOCK;
+  const auto constants = kernel_constants(frame->wanted, passes);
+  const KernelPipeline& evaluates = pixels.at(constants);
   if (!passes.pixel_list) {
     bind(evaluates);
     commands.dispatch(groups, 1, 1);
     return;
   }
-  classifies ? bind_verdicts(*classify) : bind(*list);
+  course.classifies ? bind_verdicts(*classify) : bind(*list);
   commands.dispatch((runs + DMVV_PIXELS_GROUP_SIZE - 1) / DMVV_PIXELS_GROUP_SIZE, 1, 1);
-  wait({}, {});
-  bind(*count_groups);
-  commands.dispatch(1, 1, 1);
-  wait(Access::eIndirectCommandRead, Stage::eDrawIndirect);
-  if (classifies) {
-    bind_verdicts(paint.at(kernel_constants(frame->wanted, passes)));
-    commands.dispatchIndirect(*frame->list.buffer, offsetof(gpu::PixelListHeader, paint_groups_x));
-    bind_verdicts(*count_hits);
-    commands.dispatchIndirect(*frame->list.buffer, 0);
+  count();
+  if (course.classifies) {
+    bind_verdicts(paint.at(constants));
+    dispatch(DMVV_TO_PAINT);
   }
-  bind(evaluates);
-  commands.dispatchIndirect(*frame->list.buffer, 0);
+  if (course.leads) {
+    bind(leaders.at(constants), DMVV_LEADERS_OF_TILES);
+    dispatch(DMVV_LEADERS_OF_TILES);
+    wait();
+    bind(follow.at(constants));
+    dispatch(DMVV_TO_EVALUATE);
+    count();
+  }
+  const std::uint32_t evaluated = course.leads ? DMVV_LEFT : DMVV_TO_EVALUATE;
+  bind(evaluates, evaluated);
+  dispatch(evaluated);
+  if (!course.classifies) return;
+  bind_verdicts(*count_hits, evaluated);
+  dispatch(evaluated);
+  if (!course.leads) return;
+  bind_verdicts(*count_hits, DMVV_LEADERS_OF_TILES);
+  dispatch(DMVV_LEADERS_OF_TILES);
 }
 
 double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const FramePasses& passes) {
@@ -360,9 +413,11 @@ double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const Fr
   if (passes.keep_picture && has_surface && frame->shaded == shading) return 0.0;
 
   const bool draws = !(passes.keep_surface && has_surface);
-  const bool classifies = passes.verdicts && passes.pixel_list && judge && has_drawn &&
-                          std::abs(now_ms) <= compiler::Judge::longest_ms;
-  if (classifies) {
+  const bool knows_time = std::abs(now_ms) <= compiler::Judge::longest_ms, may_skip = passes.pixel_list && has_drawn && knows_time;
+  const Course course{may_skip && passes.verdicts && judge, may_skip && passes.reach && has_leaders() && asked_leaders.begin_frame()};
+  if (course.leads) make_leaders(frame->wanted);
+  params.has_leaders = course.leads;
+  if (course.classifies) {
     make_verdicts(frame->wanted);
     verdicts->begin_frame(now_ms);
     verdicts->fill(params);
@@ -377,12 +432,14 @@ double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const Fr
   const double ms = gpu.run([&](const vk::raii::CommandBuffer& commands) {
     if (draws && shot.slice) draw_slice(commands, *frame, shot, tile);
     if (draws && !shot.slice) rasteriser->draw(commands, frame->targets, shot, tile, passes.clusters);
-    evaluate_tile(commands, params, passes, classifies);
+    evaluate_tile(commands, params, passes, course);
     read_back(commands, *frame, tile);
   });
   frame->surface = std::move(surface);
   frame->shaded = std::move(shading);
-  if (classifies) verdicts->end_frame(tile_pixels(*frame, tile).counted, ms, draws);
+  const gpu::PixelListHeader counted = tile_pixels(*frame, tile).counted;
+  if (course.classifies) verdicts->end_frame(evaluated_pixels(counted, course.leads), ms, draws);
+  if (has_drawn) asked_leaders.end_frame(counted, ms, course.leads);
   return ms;
 }
 
@@ -396,6 +453,7 @@ Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, con
   const bool has_kernel = pixels.contains(constants);
   if (is_warm && has_frame && has_kernel) return {};
   const Stopwatch watch(timings, "pipeline");
+  const auto start = std::chrono::steady_clock::now();
   if (!list) {
     list = make_pipeline(list_comp, pixel_io, sizeof(gpu::PixelsParams), {});
     count_groups = make_pipeline(count_groups_comp, pixel_io, sizeof(gpu::PixelsParams), {});
@@ -410,6 +468,9 @@ Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, con
     frame = make_frame(extent, wanted);
   }
   render_tile(shot, {{0, 0}, glm::min(warm_up_px, shot.size_px)}, passes);
+  if (!has_kernel) {
+    asked_leaders.set_cost(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+  }
   return {};
 }
 
@@ -428,7 +489,8 @@ Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
   const Wanted wanted{view.samples == 1 ? view.colors : Colors::floats,  // the mean of samples is taken in float
                       view.want_regions || view.want_depth, view.want_depth || view.want_positions};
   const FramePasses passes{enabled(view, "pixel-list"), enabled(view, "keep-surface"), enabled(view, "keep-picture"),
-                           enabled(view, "verdicts"), enabled(view, "keep-still"), enabled(view, "clusters")};
+                           enabled(view, "verdicts"), enabled(view, "keep-still"), enabled(view, "clusters"),
+                           enabled(view, "reach")};
   if (const auto ready = warm_up(*shot, extent, wanted, passes, timings); !ready) return tl::unexpected(ready.error());
 
   const Stopwatch watch(timings, "frame");

@@ -122,9 +122,8 @@ void Verdicts::fill(gpu::PixelsParams& params) const {
   params.counts_both = judge_->is_animated() && (!times_ || times_->span_ms().lo < times_->span_ms().hi);
 }
 
-void Verdicts::end_frame(const gpu::PixelListHeader& counted, double ms, bool drew) {
+void Verdicts::end_frame(std::uint32_t evaluated, double ms, bool drew) {
   // Few pixels are measured badly: what a frame costs anyway would be counted as theirs.
-  const std::uint32_t evaluated = counted.counts[DMVV_TO_EVALUATE];
   if (2 * evaluated >= most_evaluated_ && evaluated != 0 && !(drew && is_pixel_measured_)) {
     most_evaluated_ = std::max<std::size_t>(most_evaluated_, evaluated);
     is_pixel_measured_ = !drew;

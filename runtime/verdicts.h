@@ -25,9 +25,9 @@ class Verdicts {
   void begin_frame(double time_ms);
   /// Tells `classify` what it needs to know.
   void fill(gpu::PixelsParams& params) const;
-  /// Call when the device is done in `ms`, in which it `drew` the surface or not. Splits busy cells for a quarter of that
-  /// time, at most.
-  void end_frame(const gpu::PixelListHeader& counted, double ms, bool drew);
+  /// Call when the device is done in `ms`, in which it evaluated so many pixels and `drew` the surface or not. Splits busy
+  /// cells for a quarter of that time, at most.
+  void end_frame(std::uint32_t evaluated, double ms, bool drew);
 
  private:
   /// A tree in its part of the memory.

@@ -11,7 +11,7 @@
 // `list`. Nothing else happens here: lavapipe pays for all code, in every pixel.
 
 // What becomes of a pixel, and what is known of it: its outcome, or the open cell that is to be told.
-#define DMVV_NOTHING 2u
+#define DMVV_NOTHING uint(DMVV_LISTS_OF_PIXELS)
 uint judge_pixel(uvec2 pixel, out uint known) {
   known = DMVV_NO_CELL;
   if (!is_in_picture(pixel)) return DMVV_NOTHING;
@@ -33,21 +33,25 @@ uint judge_pixel(uvec2 pixel, out uint known) {
   bool is_decided = (word & DMVV_VERDICT_DECIDED) != 0u;
   bool paints = is_proven && is_decided && ((word & DMVV_VERDICT_BITMAP) == 0u || params.paints_bitmaps != 0u);
   known = paints ? first_outcome + (word & DMVV_VERDICT_VALUE) : is_proven && !is_decided ? counted : DMVV_NO_CELL;
-  return paints ? DMVV_TO_PAINT : DMVV_TO_EVALUATE;
+  return paints ? DMVV_TO_PAINT : is_leader(pixel) ? DMVV_LEADERS_OF_TILES : DMVV_TO_EVALUATE;
 }
 
 void main() {
   uvec2 first = first_of_run();
   uint kinds[DMVV_PIXELS_BLOCK], known[DMVV_PIXELS_BLOCK];
-  uvec2 counts = uvec2(0u);
+  uint evaluated = 0u, leaders = 0u, painted = 0u;
   for (uint x = 0u; x < DMVV_RUN; ++x) {
     kinds[x] = judge_pixel(first + uvec2(x, 0u), known[x]);
-    if (kinds[x] != DMVV_NOTHING) ++counts[kinds[x]];
+    evaluated += uint(kinds[x] == DMVV_TO_EVALUATE);
+    leaders += uint(kinds[x] == DMVV_LEADERS_OF_TILES);
+    painted += uint(kinds[x] == DMVV_TO_PAINT);
   }
-  uint evaluated = reserve(DMVV_TO_EVALUATE, counts[DMVV_TO_EVALUATE]);
-  uint painted = reserve(DMVV_TO_PAINT, counts[DMVV_TO_PAINT]);
+  evaluated = reserve(DMVV_TO_EVALUATE, evaluated);
+  leaders = reserve(DMVV_LEADERS_OF_TILES, leaders);
+  painted = reserve(DMVV_TO_PAINT, painted);
   for (uint x = 0u; x < DMVV_RUN; ++x) {
-    if (kinds[x] == DMVV_TO_EVALUATE) list_pixel(first + uvec2(x, 0u), evaluated++, known[x]);
-    if (kinds[x] == DMVV_TO_PAINT) list_pixel(first + uvec2(x, 0u), painted_entry(painted++), known[x]);
+    if (kinds[x] == DMVV_NOTHING) continue;
+    uint slot = kinds[x] == DMVV_TO_PAINT ? painted++ : kinds[x] == DMVV_TO_EVALUATE ? evaluated++ : leaders++;
+    list_pixel(first + uvec2(x, 0u), entry_of(kinds[x], slot), known[x]);
   }
 }

@@ -7,8 +7,8 @@
 // Tells the cells that left pixels to be evaluated.
 
 void main() {
-  uint entry = gl_GlobalInvocationID.x;
-  if (entry >= list.header.counts[DMVV_TO_EVALUATE]) return;
-  uint cell = list.entries[entry].y;
+  uint i = gl_GlobalInvocationID.x;
+  if (i >= list.header.counts[params.listed_kind]) return;
+  uint cell = list.entries[entry_of(params.listed_kind, i)].y;
   if (cell != DMVV_NO_CELL && (verdict_words[cell] & DMVV_VERDICT_FINAL) == 0u) count_hit(cell, params.hits_to_split);
 }

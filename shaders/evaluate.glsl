@@ -35,6 +35,9 @@ void came_through(uint region, uint candidate, uint level) {
 
 bool in_box(vec3 q, vec3 lo, vec3 hi) { return all(greaterThanEqual(q, lo)) && all(lessThanEqual(q, hi)); }
 bool in_cube(vec3 q) { return all(lessThanEqual(abs(q), vec3(1.0))); }
+// PlacementRecord::extent
+vec3 extent_of(uint bits) { return vec3((uvec3(bits, bits >> 10u, bits >> 20u) & 1023u) + 1u) * 0.0009765625; }
+bool in_extent(vec3 q, vec3 extent) { return all(lessThanEqual(abs(q), extent)); }
 vec3 wrap_cube(vec3 q) { return q - 2.0 * floor((q + 1.0) * 0.5); }
 
 vec3 apply(AffineRows a, vec3 p) {

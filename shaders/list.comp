@@ -10,13 +10,17 @@
 
 void main() {
   uvec2 first = first_of_run();
-  uint seen = 0u;
+  uint seen = 0u, leaders = 0u;
   for (uint x = 0u; x < DMVV_RUN; ++x) {
     uvec2 pixel = first + uvec2(x, 0u);
-    if (is_in_picture(pixel) && imageLoad(surface_image, ivec2(pixel)).w != 0u) seen |= 1u << x;
+    if (!is_in_picture(pixel) || imageLoad(surface_image, ivec2(pixel)).w == 0u) continue;
+    if (is_leader(pixel)) leaders |= 1u << x;
+    else seen |= 1u << x;
   }
-  uint slot = reserve(DMVV_TO_EVALUATE, bitCount(seen));
+  uint slot = reserve(DMVV_TO_EVALUATE, bitCount(seen)), leader_slot = reserve(DMVV_LEADERS_OF_TILES, bitCount(leaders));
   for (uint x = 0u; x < DMVV_RUN; ++x) {
-    if ((seen >> x & 1u) != 0u) list_pixel(first + uvec2(x, 0u), slot++, DMVV_NO_CELL);
+    uvec2 pixel = first + uvec2(x, 0u);
+    if ((seen >> x & 1u) != 0u) list_pixel(pixel, slot++, DMVV_NO_CELL);
+    if ((leaders >> x & 1u) != 0u) list_pixel(pixel, entry_of(DMVV_LEADERS_OF_TILES, leader_slot++), DMVV_NO_CELL);
   }
 }

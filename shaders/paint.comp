@@ -24,7 +24,7 @@ vec4 color_of_outcome(uint outcome, vec3 p) {
 
 void main() {
   if (gl_GlobalInvocationID.x >= list.header.counts[DMVV_TO_PAINT]) return;
-  uint entry = painted_entry(gl_GlobalInvocationID.x);
+  uint entry = entry_of(DMVV_TO_PAINT, gl_GlobalInvocationID.x);
   uvec2 pixel = listed_pixel(entry);
   uint outcome = list.entries[entry].y;
   uvec4 surface = imageLoad(surface_image, ivec2(pixel));

@@ -13,6 +13,9 @@ layout(set = 1, binding = DMVV_BIND_LIST, std430) buffer PixelList {
   PixelListHeader header;
   uvec2 entries[];
 } list;
+layout(set = 1, binding = DMVV_BIND_LEADER_PLACE, rgba32f) uniform image2D leader_place;
+layout(set = 1, binding = DMVV_BIND_LEADER_COLOR, rgba32f) uniform image2D leader_color;
+layout(set = 1, binding = DMVV_BIND_LEADER_REGION, r32ui) uniform uimage2D leader_region;
 layout(push_constant) uniform Params { PixelsParams params; };
 
 uvec2 listed_pixel(uint entry) {
@@ -20,8 +23,11 @@ uvec2 listed_pixel(uint entry) {
   return uvec2(pixel & 0xffffu, pixel >> 16u);
 }
 
-// The entry of pixel number i to be painted.
-uint painted_entry(uint i) { return params.width * params.height - 1u - i; }
+// The entry of pixel number i of a list.
+uint entry_of(uint kind, uint i) {
+  uint pixels = params.width * params.height;
+  return kind == DMVV_TO_PAINT ? pixels - 1u - i : kind * pixels + i;
+}
 
 // The upper left pixel of a block; blocks follow each other row by row.
 uvec2 block_corner(uint block) {
@@ -33,8 +39,8 @@ uvec2 block_corner(uint block) {
 bool find_pixel(out uvec2 pixel) {
   uint i = gl_GlobalInvocationID.x;
   if (listed) {
-    bool there = i < list.header.counts[DMVV_TO_EVALUATE];
-    pixel = listed_pixel(there ? i : 0u);
+    bool there = i < list.header.counts[params.listed_kind];
+    pixel = listed_pixel(there ? entry_of(params.listed_kind, i) : 0u);
     return there;
   }
   uint within = i % DMVV_PIXELS_GROUP_SIZE;

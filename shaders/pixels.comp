@@ -1,5 +1,5 @@
 // Kernel `pixels`: the scene at the visible surface of the support mesh, one point a pixel. Comes after the evaluation
-// and shaders/pixel_io.glsl.
+// and shaders/pixel_io.glsl. DMVV_LEADERS: kernel `leaders`, which tells the pixel's tile as well.
 
 void main() {
   uvec2 pixel;
@@ -7,6 +7,14 @@ void main() {
   uvec4 surface = imageLoad(surface_image, ivec2(pixel));
   vec3 p = surface_point(surface);
   if (surface.w != 0u && in_cube(p)) evaluate(p);
-  vec4 rgba = hit_number != 0u ? shade(color_of(hit_region, hit_p), surface) : vec4(0.0);
+  vec4 color = color_of(hit_region, hit_p);
+  vec4 rgba = hit_number != 0u ? shade(color, surface) : vec4(0.0);
   store_pixel(pixel, rgba, hit_number, hit_unfinished);
+#ifdef DMVV_LEADERS
+  ivec2 tile = ivec2(pixel / DMVV_LEADER_TILE);
+  bool is_known = in_cube(p) && !hit_unfinished && !(hit_number != 0u && has_bitmap(hit_region));
+  imageStore(leader_place, tile, vec4(p, is_known ? reach : -1.0));
+  imageStore(leader_color, tile, color);
+  imageStore(leader_region, tile, uvec4(hit_number));
+#endif
 }

@@ -40,6 +40,10 @@ using uvec4 = glm::uvec4;
 #define DMVV_BIND_BYTES 2    // r32ui out, in place of it: 8 bits a channel, red lowest
 #define DMVV_BIND_REGION 3   // r32ui out, if wanted: region number, 0 where empty
 #define DMVV_BIND_LIST 4     // PixelListHeader, then two words an entry
+// of a leader for its tile: the point and how far its answer holds, the answer's colour before shading and region number
+#define DMVV_BIND_LEADER_PLACE 5   // rgba32f; w not positive: there is no such leader
+#define DMVV_BIND_LEADER_COLOR 6   // rgba32f
+#define DMVV_BIND_LEADER_REGION 7  // r32ui
 
 // ---- bindings of descriptor set 2 of `classify`: two trees of verdicts, one for ever, one for a span of time ----
 #define DMVV_BIND_VERDICT_WORDS 0
@@ -96,18 +100,27 @@ struct PixelsParams {
   uint first_span_outcome;
   uint counts_both;        // `classify`: 1 if half of the hits count for what may hold for ever
   uint paints_bitmaps;     // `classify`: 0: decided pixels of regions with bitmaps are evaluated all the same
+  uint has_leaders;        // `list`, `classify`: 1 if leaders have a list of their own
+  uint listed_kind;        // the list whose pixels are this kernel's
+  uint pad0, pad1;
 };
 
-// What `list` or `classify` counts, and indirect dispatches read. A list has entries of two words: x, and y in the upper
-// half; then what is known of the pixel. Pixels to be evaluated come from the list's begin on, with the cell to be told of
-// it; pixels to be painted from its end back, with their outcome.
+// What `list` or `classify` counts, and indirect dispatches read. An entry has two words: x, and y in the upper half; then what
+// is known of the pixel: the cell to be told that it was evaluated, or the outcome to paint it with. The lists of a kind
+// lie one after the other, with room for all pixels, but for those to be painted: from the first one's end back.
 #define DMVV_TO_EVALUATE 0u
-#define DMVV_TO_PAINT 1u
+#define DMVV_LEFT 1u       // evaluated after all: no leader's answer holds for them
+#define DMVV_LEADERS_OF_TILES 2u  // evaluated first, and asked how far their answers hold
+#define DMVV_TO_PAINT 3u
+#define DMVV_LISTS_OF_PIXELS 4
+#define DMVV_LEADER_TILE 4u  // pixels each way that have one leader
+struct Groups {
+  uint x, y, z;
+};
 struct PixelListHeader {
-  uint groups_x, groups_y, groups_z;                   // of `pixels`; 0, 1, 1 before `count_groups`
-  uint paint_groups_x, paint_groups_y, paint_groups_z;  // of `paint`; likewise
-  uint counts[2];                                      // pixels of each kind
-  uint unfinished;                                     // pixels for which the loop rounds of the device did not suffice
+  Groups groups[DMVV_LISTS_OF_PIXELS];  // of the indirect dispatch over each list; 0, 1, 1 before `count_groups`
+  uint counts[DMVV_LISTS_OF_PIXELS];    // pixels
+  uint unfinished;                      // pixels for which the loop rounds of the device did not suffice
   uint pad0, pad1, pad2;
 };
 #define DMVV_NO_CELL 0xffffffffu
@@ -127,6 +140,8 @@ struct NodeRecord {
   uint pad0;
 };
 
+// How far beyond a cell, in cells, its list counts where answers tell how far they hold (shaders/reach.glsl).
+#define DMVV_CELL_MARGIN 0.25
 // A uniform lookup grid: the cell of point p is floor(clamp((p - lo) * cells_per_unit, 0, size - 1)).
 struct LookupRecord {
   vec4 lo;  // w unused
@@ -175,7 +190,8 @@ struct PlacementRecord {
   AffineRows local_from_object;
   uint object;  // candidates only
   uint tiled;
-  uint candidate;  // number within the region; set where a list holds placements instead of their indices (thesis)
+  uint extent;     // candidates only: how far from the middle the object is not empty, 10 bits an axis; thesis: the number
+                   // within the region, since there a list holds placements instead of their indices
   uint united;     // row of the object's parameters << DMVV_FAMILY_BITS | family (compiler/families.h); else 0
 };
 
@@ -195,8 +211,8 @@ struct PlacementRecord {
 
 #ifdef __cplusplus
 static_assert(sizeof(PointsParams) == 16);
-static_assert(sizeof(PixelsParams) == 80);
-static_assert(sizeof(PixelListHeader) == 48);
+static_assert(sizeof(PixelsParams) == 96);
+static_assert(sizeof(PixelListHeader) == 80);
 static_assert(sizeof(AffineRows) == 48);
 static_assert(sizeof(NodeRecord) == 16);
 static_assert(sizeof(SdfRecord) == 128);

@@ -68,6 +68,9 @@ struct Frame {
 
 // Evaluates `object` at p; answers like specialised code does: hit_number stays 0 where the object is empty.
 void walk(uint object, vec3 p, uint level) {
+#ifdef DMVV_REACH
+  limit(0.0, 1.0);  // of what is walked, it is not told how far it holds
+#endif
   Frame stack[DMVV_DEPTH];
   int top = 0;
   bool ended = false;

@@ -80,7 +80,7 @@ void walk(uint object, vec3 p, uint level) {
             i = range.x;
             end = range.x + range.y;
             outer_p = p;
-            came_through(region, placements[i].candidate, top);
+            came_through(region, placements[i].extent, top);
             top = top + 1u;
             node = objects[placements[i].object];
             p = apply(placements[i].local_from_object, outer_p);
@@ -93,7 +93,7 @@ void walk(uint object, vec3 p, uint level) {
       ++i;
       done = i >= end;
       if (!done) {
-        came_through(embedding, placements[i].candidate, top - 1u);
+        came_through(embedding, placements[i].extent, top - 1u);
         node = objects[placements[i].object];
         p = apply(placements[i].local_from_object, outer_p);
       }

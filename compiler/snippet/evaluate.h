@@ -33,4 +33,8 @@ struct BoxValue {
 Interval evaluate_box(const Program& program, const std::array<Interval, Program::input_count>& inputs,
                       Rounding rounding, std::span<const BoxValue> hoisted = {});
 
+/// Over all inputs, as Snippet::steepness says. Unknown where something jumps or is not understood.
+Steepness steepness_over(const Program& program, const std::array<Interval, Program::input_count>& inputs,
+                         std::span<const BoxValue> hoisted);
+
 }  // namespace dmvv::compiler::snippet

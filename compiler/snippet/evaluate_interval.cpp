@@ -6,6 +6,7 @@
 #include "compiler/snippet/evaluate.h"
 #include "compiler/snippet/interval.h"
 #include "compiler/snippet/machine.h"
+#include "compiler/snippet/steep.h"
 
 namespace dmvv::compiler::snippet {
 
@@ -18,12 +19,12 @@ template <class Domain>
 class BoxMachine {
  public:
   using Cells = std::vector<Cell<Domain>>;
+  using Real = typename Domain::Real;
 
-  BoxMachine(const Program& program, const std::array<Interval, Program::input_count>& inputs,
-             std::span<const BoxValue> hoisted)
+  BoxMachine(const Program& program, const std::array<Real, Program::input_count>& inputs, std::span<const BoxValue> hoisted)
       : program_(program), cells_(program.register_count() + hoisted.size()), starts_(array_starts(program)) {
     for (Cell<Domain>& cell : cells_) cell.f = Interval{0.0, 0.0};
-    for (Register r = 0; r < Program::input_count; ++r) cells_[r].f = Domain::input(inputs[r]);
+    for (Register r = 0; r < Program::input_count; ++r) cells_[r].f = inputs[r];
     for (std::size_t k = 0; k < program.constants.size(); ++k) {
       cells_[program.first_constant() + k] = constant(program.constants[k]);
     }
@@ -35,9 +36,9 @@ class BoxMachine {
     memory_.assign(starts_.back(), zero);
   }
 
-  Interval run() {
+  Real run() {
     run(program_.body);
-    return gave_up_ || !alive_ ? unknown_interval : cells_[program_.result].f;
+    return gave_up_ || !alive_ ? Real(unknown_interval) : cells_[program_.result].f;
   }
 
  private:
@@ -55,9 +56,10 @@ class BoxMachine {
 
   static Cell<Domain> constant(const Constant& constant) {
     Cell<Domain> cell;
+    cell.f = Interval{0.0, 0.0};
     const float value = std::bit_cast<float>(constant.bits);
     const bool is_real = constant.type == Type::real;
-    cell.f = is_real ? Domain::flushed({value, value}) : Interval{0.0, 0.0};
+    if (is_real) cell.f = Domain::flushed(Interval{value, value});
     if (is_real && std::isnan(value)) cell.f = unknown_interval;
     const bool is_signed = constant.type == Type::integer;
     const std::int64_t whole = is_signed ? std::int64_t{static_cast<std::int32_t>(constant.bits)} : constant.bits;
@@ -190,6 +192,9 @@ class BoxMachine {
         store(instruction);
       } else if (instruction.op == Op::f_mul && instruction.operands[0] == instruction.operands[1]) {
         cells_[instruction.result].f = Domain::square(cells_[instruction.operands[0]].f);
+      } else if (instruction.op == Op::f_fma && instruction.operands[0] == instruction.operands[1]) {
+        cells_[instruction.result].f =
+            Domain::f_add(Domain::square(cells_[instruction.operands[0]].f), cells_[instruction.operands[2]].f);
       } else {
         execute<Domain>(instruction, cells_.data());
       }
@@ -234,8 +239,21 @@ class BoxMachine {
 
 Interval evaluate_box(const Program& program, const std::array<Interval, Program::input_count>& inputs,
                       Rounding rounding, std::span<const BoxValue> hoisted) {
-  if (rounding == Rounding::real) return BoxMachine<IntervalDomain<Rounding::real>>(program, inputs, hoisted).run();
-  return BoxMachine<IntervalDomain<Rounding::float32>>(program, inputs, hoisted).run();
+  const auto run = [&]<Rounding chosen>() {
+    using Domain = IntervalDomain<chosen>;
+    std::array<Interval, Program::input_count> rounded;
+    for (std::size_t i = 0; i < inputs.size(); ++i) rounded[i] = Domain::input(inputs[i]);
+    return BoxMachine<Domain>(program, rounded, hoisted).run();
+  };
+  return rounding == Rounding::real ? run.template operator()<Rounding::real>() : run.template operator()<Rounding::float32>();
+}
+
+Steepness steepness_over(const Program& program, const std::array<Interval, Program::input_count>& inputs,
+                         std::span<const BoxValue> hoisted) {
+  std::array<Steep, Program::input_count> coordinates;
+  for (std::size_t i = 0; i < inputs.size(); ++i) coordinates[i] = SteepDomain::coordinate(inputs[i], i);
+  const Steep f = BoxMachine<SteepDomain>(program, coordinates, hoisted).run();
+  return {f.slope, f.error};
 }
 
 }  // namespace dmvv::compiler::snippet

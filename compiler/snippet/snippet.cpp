@@ -53,6 +53,12 @@ Interval BoxFunction::operator()(const Box& p) const {
   return evaluate_box(prepared_->split->residual, inputs, Rounding::float32, prepared_->hoisted);
 }
 
+Steepness Snippet::steepness(const Box& p, const Interval& t_ms) const {
+  const std::array<Interval, Program::input_count> inputs{
+      Interval{p.lo.x, p.hi.x}, {p.lo.y, p.hi.y}, {p.lo.z, p.hi.z}, {0.0, 0.0}};  // the residual does not read t
+  return steepness_over(split_->residual, inputs, device_values(*split_, t_ms));
+}
+
 Dual Snippet::differentiate(const glm::dvec3& p, double t_ms) const {
   const std::array<DualNumber, Program::input_count> inputs{
       DualNumber(p.x, {1, 0, 0, 0}), {p.y, {0, 1, 0, 0}}, {p.z, {0, 0, 1, 0}}, {t_ms, {0, 0, 0, 1}}};

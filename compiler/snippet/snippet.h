@@ -24,6 +24,7 @@ struct Interval {
   double lo;
   double hi;
   bool maybe_nan = false;
+  friend bool operator==(const Interval&, const Interval&) = default;
 };
 
 /// What interval results must enclose.
@@ -43,6 +44,12 @@ struct Dual {
   double value;
   glm::dvec3 gradient;  ///< by p
   double rate;          ///< by t, a millisecond
+};
+
+/// How much a function may change, and how far off its float32 evaluation may be.
+struct Steepness {
+  double slope = 0.0;  ///< |f(p) - f(q)| <= slope * |p - q|; infinity: nothing is known
+  double error = 0.0;  ///< |f as a device computes it - f|, the point and the time values being exact
 };
 
 /// The result of a point evaluation.
@@ -77,6 +84,9 @@ class Snippet {
   /// Encloses f over the box and the span of time. Branches whose condition is not decided are joined; a loop that is
   /// not decided within the budget, or an instruction that is not understood, gives the unknown interval: never wrong.
   Interval evaluate(const Box& p, const Interval& t_ms, Rounding rounding) const;
+
+  /// Of f over a box, at any time of a span. Bounds are those of the whole: cheap (some 0.1 us an instruction) and coarse.
+  Steepness steepness(const Box& p, const Interval& t_ms) const;
 
   /// Value and derivatives by forward differentiation. At kinks one of the one-sided derivatives.
   Dual differentiate(const glm::dvec3& p, double t_ms) const;

@@ -116,7 +116,7 @@ std::optional<Fault> check_setting(runtime::Device& device, const compiler::Modu
   };
   Diagnostics diagnostics;
   compiler::CompileOptions form = setting.options;
-  form.judge = true;
+  form.many_frames = true;
   auto program = compiler::compile(module, form, diagnostics);
   if (!program) return fault(Fault::Kind::refused, diagnostics.render());
   for (const auto kernel : {compiler::Kernel::points, compiler::Kernel::pixels}) {

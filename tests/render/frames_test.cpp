@@ -30,7 +30,7 @@ compiler::Module beating() { return tests::lowered(beating_text, {{"seeds.txt", 
 
 compiler::CompileOptions judged() {
   compiler::CompileOptions options;
-  options.judge = true;
+  options.many_frames = true;
   return options;
 }
 

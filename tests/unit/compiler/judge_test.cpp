@@ -20,7 +20,7 @@ namespace {
 
 /// As a program that was compiled for it carries it.
 std::shared_ptr<const Judge> judge_of(const Module& module, CompileOptions options = {}) {
-  options.judge = true;
+  options.many_frames = true;
   Diagnostics diagnostics;
   const auto program = compile(module, options, diagnostics);
   REQUIRE_MESSAGE(program, diagnostics.render());
