@@ -279,11 +279,11 @@ class Generator : GlslWriter {
     line("++asked;");
     if (const std::uint32_t first = records_.first_scaling[id.index]; first != no_scaling && options_.fold_affine) {
       out_.uses.scalings = true;
-      line("vec4 scaling = scalings[{} + lists[i]];", fmt::format("{}u", first));
+      line("vec4 scaling = scaling_at({} + list_at(i));", fmt::format("{}u", first));
       line("vec3 q = p * scaling.w + scaling.xyz;");
     } else {
       out_.uses.placements = true;
-      line("vec3 q = apply(placements[{} + lists[i]].local_from_object, p);", fmt::format("{}u", record.first_placement));
+      line("vec3 q = apply(placement_affine({} + list_at(i)), p);", fmt::format("{}u", record.first_placement));
     }
     line("negative = {} && {};", box_test(local_box(sdf, module_), "q"), source_test(sdf, nullptr, "q"));
     close();
@@ -465,12 +465,12 @@ class Generator : GlslWriter {
   /// To the next candidate whose cube holds the point. A loop of its own: all points search, then all that have found one
   /// evaluate it (Aila and Laine 2009, while-while), and the evaluation's rounds are no more than a point's finds.
   void emit_search(const gpu::GroupRecord& record, bool any_tiled) {
-    const std::string placement = fmt::format("placements[{}u + c]", record.first_placement);
+    const std::string placement = fmt::format("{}u + c", record.first_placement);
     open("for (; i < range.y && !held; ++i)");
     line("++asked;");
-    line("c = lists[i];");
-    line("q = apply({}.local_from_object, p);", placement);
-    if (any_tiled) line("bool tiled = {}.tiled != 0u;", placement);
+    line("c = list_at(i);");
+    line("q = apply(placement_affine({}), p);", placement);
+    if (any_tiled) line("bool tiled = placement_tags({}).y != 0u;", placement);
     if (any_tiled) line("if (tiled) q = wrap_cube(q);");
     line(any_tiled ? "held = tiled || in_cube(q);" : "held = in_cube(q);");
     close();
@@ -478,7 +478,7 @@ class Generator : GlslWriter {
 
   /// One call for each different shape of the group's objects; all objects that are cut share one walker.
   void emit_calls(const std::vector<Id<Object>>& called, const gpu::GroupRecord& record) {
-    const std::string placement = fmt::format("placements[{}u + c]", record.first_placement);
+    const std::string placement = fmt::format("{}u + c", record.first_placement);
     std::vector<std::pair<std::string, std::string>> calls;  // condition, and what is called then
     std::string others;                                      // holds for no object that has a call of its own
     const auto also = [&](const std::string& name, const std::string& number, const std::string& made) {
@@ -500,14 +500,14 @@ class Generator : GlslWriter {
       }
     }
     if (by_family) {
-      line("uint united = {}.united;", placement);
+      line("uint united = placement_tags({}).w;", placement);
       line("uint row = united >> DMVV_FAMILY_BITS;");
     }
     const bool choose = calls.size() + (walked ? 1u : 0u) > 1;
     if (!choose && !calls.empty()) return line("{};", calls.front().second);
     if (!choose && called.size() == 1) return line("{};", call(*walked, "q", "level + 1u"));
     if (by_family) line("uint family = united & (1u << DMVV_FAMILY_BITS) - 1u;");
-    if (by_object || walked) line("uint object = {}.object;", placement);
+    if (by_object || walked) line("uint object = placement_tags({}).x;", placement);
     // One after the other, not nested in each other's else.
     for (const auto& [condition, made] : calls) line("if ({}) {};", condition, made);
     if (walked) line(others.empty() ? "walk(object, q, level + 1u);" : "if ({}) walk(object, q, level + 1u);", others);

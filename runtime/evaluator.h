@@ -79,6 +79,7 @@ struct Evaluator::Impl {
   std::optional<std::size_t> time_buffer;  ///< index into buffers: mapped, written before each evaluation
 
   std::vector<GpuBuffer> buffers;
+  std::vector<vk::raii::BufferView> views;  ///< of each of them; null for those that are no texels
   std::vector<GpuImage> textures;
   vk::raii::Sampler sampler{nullptr};
   vk::raii::DescriptorSetLayout scene_layout{nullptr};
@@ -110,6 +111,7 @@ struct Evaluator::Impl {
  private:
   void set_time(double time_ms);
   void upload(const compiler::Program& program);
+  void make_views(const compiler::Program& program);
   void bind_scene(const compiler::Program& program);
   Result<void> warm_up(const Shot& shot, vk::Extent2D extent, const Wanted& wanted, const FramePasses& passes,
                        Timings* timings);
