@@ -58,9 +58,7 @@ compiler::CompileOptions compile_options(const Settings& settings, const runtime
   options.filter = settings.filter;
   options.disabled_passes = settings.disabled_passes;
   options.many_frames = settings.verdicts;
-  options.max_extent_3d = device.info().max_extent_3d;
-  options.max_storage_buffer = device.info().max_storage_buffer;
-  options.costs = runtime::costs_of(device);
+  runtime::fit_to(device, options);
   return options;
 }
 

@@ -131,11 +131,7 @@ compiler::Module lower(voml::Scene scene, Context& context, Diagnostics& diagnos
 compiler::Program compile(compiler::Module module, compiler::CompileOptions options,
                           std::optional<compiler::Kernel> kernel, const runtime::Device* device, Context& context,
                           Diagnostics& diagnostics, const compiler::CodeCache& cache) {
-  if (device) {
-    options.max_extent_3d = device->info().max_extent_3d;
-    options.max_storage_buffer = device->info().max_storage_buffer;
-    options.costs = runtime::costs_of(*device);
-  }
+  if (device) runtime::fit_to(*device, options);
   auto program = compiler::compile(std::move(module), options, diagnostics);
   context.stopwatch.lap("compile");
   if (!program) stop_with(diagnostics, context);

@@ -77,6 +77,25 @@ void name_united(Records& records, const Module& module, const std::map<Id<Objec
   }
 }
 
+/// Texels where generated code is to read them, the device has some, and no buffer has too many.
+RecordAccess record_access(const Program& program, const CompileOptions& options) {
+  const std::uint32_t most = options.max_texel_buffer_elements;
+  if (most == 0 || !writes_code(options) || !enabled(options, "texel-records")) return RecordAccess::buffers;
+  const bool fit = std::ranges::all_of(program.buffers, [&](const Buffer& buffer) {
+    const BufferForm form = form_of(buffer.binding, RecordAccess::texels);
+    return form == BufferForm::records || buffer.bytes.size() / bytes_per_texel(form) <= most;
+  });
+  return fit ? RecordAccess::texels : RecordAccess::buffers;
+}
+
+void write_kernels(Program& program, const Evaluation& evaluation, RecordAccess access) {
+  for (Buffer& buffer : program.buffers) buffer.form = form_of(buffer.binding, access);
+  for (const Kernel kernel : {Kernel::points, Kernel::pixels, Kernel::leaders}) {
+    if (kernel == Kernel::leaders && !evaluation.uses.reach) continue;
+    program.glsl[static_cast<std::size_t>(kernel)] = generate_glsl(evaluation, program.depth, kernel, access);
+  }
+}
+
 bool check_buffers(const Program& program, std::uint64_t limit, Diagnostics& diagnostics) {
   for (const Buffer& buffer : program.buffers) {
     if (buffer.bytes.size() <= limit) continue;
@@ -126,6 +145,7 @@ const std::vector<PassInfo>& pass_names() {
       {"box-tests", "box tests that the standard cube already answers are left out"},
       {"tapes", "large snippets are tapes that one loop walks, instead of code"},
       {"shorten-tapes", "tapes are shortened for each cell of a grid by what intervals prove there"},
+      {"texel-records", "records that a point finds are read from texels, on devices that load those faster"},
   };
   return passes;
 }
@@ -183,14 +203,8 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
                                  writes_code(options) && enabled(options, "unite-shapes"), reaches ? &steepness : nullptr};
   Evaluation evaluation = generate_evaluation(module, records, *grid_atlas, glsl_options);
   name_united(records, module, evaluation.united);
-  for (const Kernel kernel : {Kernel::points, Kernel::pixels, Kernel::leaders}) {
-    if (kernel == Kernel::leaders && !evaluation.uses.reach) continue;
-    program.glsl[static_cast<std::size_t>(kernel)] = generate_glsl(evaluation, program.depth, kernel);
-  }
 
   count(program.statistics, module);
-  const std::string& pixels = program.glsl[static_cast<std::size_t>(Kernel::pixels)];
-  program.statistics.glsl_lines = static_cast<std::uint32_t>(std::count(pixels.begin(), pixels.end(), '\n'));
   program.statistics.inlined_lines = evaluation.inlined_lines;
   program.statistics.object_codegen = std::move(evaluation.object_codegen);
   program.statistics.atlas_fill = grid_atlas->fill;
@@ -206,6 +220,9 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   }
   if (evaluation.uses.parameters) add_buffer(program, "parameters", DMVV_BIND_PARAMETERS, evaluation.parameters);
   if (evaluation.uses.time) add_buffer(program, "time_values", DMVV_BIND_TIME, time_values(program.time_functions, 0.0));
+  write_kernels(program, evaluation, record_access(program, options));
+  const std::string& pixels = program.glsl[static_cast<std::size_t>(Kernel::pixels)];
+  program.statistics.glsl_lines = static_cast<std::uint32_t>(std::count(pixels.begin(), pixels.end(), '\n'));
   if (!check_buffers(program, options.max_storage_buffer, diagnostics)) return std::nullopt;
   if (options.many_frames && !thesis) {
     const Judge::Options stored{options.atlas_format, options.filter};

@@ -24,6 +24,9 @@ struct CompileOptions {
   Filter filter = Filter::hardware;              ///< of distance grids; not for thesis
   std::uint32_t max_extent_3d = 2048;            ///< of the device that will run the program
   std::uint64_t max_storage_buffer = 128u << 20;
+  /// Texels that a storage texel buffer of the device may have, if generated code is to read its records there; a
+  /// program with a larger buffer, and all with 0, read them from storage buffers.
+  std::uint32_t max_texel_buffer_elements = 0;
   std::uint32_t inlined_line_budget = 4000;      ///< beyond it, specialised code hands objects over to the generic walker
   bool many_frames = false;                      ///< keep and make what pays for those who draw many: what proves verdicts, and
                                                  ///< the kernel `leaders`; not for thesis, the latter not for table

@@ -336,7 +336,7 @@ void Families::take_united(std::uint32_t shape, std::string& text) {
 std::string Families::rows_text(const Union& united) const {
   std::string text;
   for (std::size_t k = 0; k < rows_for(united.slots.size() + united.united_callees.size()); ++k) {
-    text += fmt::format("  uvec4 k{0} = parameters[row + {0}u];\n", k);
+    text += fmt::format("  uvec4 k{0} = parameter_at(row + {0}u);\n", k);
   }
   return text;
 }
@@ -400,11 +400,11 @@ std::string Families::united_token(const Union& united, std::size_t index) const
       return united.has_table ? "" : token.text;
     case Token::Kind::element:
       if (!united.has_table) return token.text;
-      return fmt::format("uintBitsToFloat(parameters[row + {}u + {}u * uint(",
+      return fmt::format("uintBitsToFloat(parameter_at(row + {}u + {}u * uint(",
                          rows_for(united.slots.size() + united.united_callees.size()) + token.column / 4,
                          rows_for(united.columns));
     case Token::Kind::element_end:
-      return united.has_table ? fmt::format(")].{})", "xyzw"[token.column % 4]) : token.text;
+      return united.has_table ? fmt::format(")).{})", "xyzw"[token.column % 4]) : token.text;
     default:
       return token.text;
   }

@@ -2,7 +2,7 @@
 // read from a buffer by the row at which a member's begin. Anti-unification (Plotkin 1970) of GLSL text.
 //
 //   float function_3(vec3 p) { return length(p) - 0.5; }       float function_3_united(uint row, vec3 p) {
-//   float function_4(vec3 p) { return length(p) - 0.7; }   ->    uvec4 k0 = parameters[row];
+//   float function_4(vec3 p) { return length(p) - 0.7; }   ->    uvec4 k0 = parameter_at(row);
 //                                                                return length(p) - uintBitsToFloat(k0.x); }
 #pragma once
 

@@ -379,12 +379,12 @@ class Generator : GlslWriter {
     for (const Affine& affine : sdf.local_from_object) seeds.add(affine);
     if (const std::uint32_t first = records_.first_scaling[id.index]; first != no_scaling && options_.fold_affine) {
       out_.uses.scalings = true;
-      line("vec4 scaling = scalings[{} + lists[i]];", fmt::format("{}u", first));
+      line("vec4 scaling = scaling_at({} + list_at(i));", fmt::format("{}u", first));
       line("vec3 q = p * scaling.w + scaling.xyz;");
       if (reaches()) line("local = scaled(outer, abs(scaling.w), {});", bound(seeds.error));
     } else {
       out_.uses.placements = true;
-      const std::string placement = fmt::format("placements[{}u + lists[i]].local_from_object", record.first_placement);
+      const std::string placement = fmt::format("placement_affine({}u + list_at(i))", record.first_placement);
       line("vec3 q = apply({}, p);", placement);
       if (reaches()) line("local = {};", seeds.frame(placement));
     }
@@ -571,11 +571,11 @@ class Generator : GlslWriter {
   };
 
   /// In one box if all objects have it; else each where its record says.
-  CubeTest cube_test(const std::set<Id<Object>>& objects, const std::string& placement) const {
+  CubeTest cube_test(const std::set<Id<Object>>& objects, const std::string& tags) const {
     const LocalBox& first = at(module_.objects, *objects.begin()).content;
     const bool alike = std::ranges::all_of(objects, [&](Id<Object> object) { return at(module_.objects, object).content == first; });
     if (alike) return {box_test(first, "q"), limit_box(first, "q", 1.0, 0.0)};
-    const std::string extent = fmt::format("extent_of({}.extent)", placement);
+    const std::string extent = fmt::format("extent_of({}.z)", tags);
     return {fmt::format("in_extent(q, {})", extent), fmt::format("limit_box(q, -{0}, {0}, 1.0, 0.0)", extent)};
   }
 
@@ -593,7 +593,7 @@ class Generator : GlslWriter {
       candidates.add(candidate.local_from_parent);
       objects.insert(candidate.object);
     }
-    CubeTest cube = cube_test(objects, fmt::format("placements[{}u + c]", record.first_placement));
+    CubeTest cube = cube_test(objects, fmt::format("placement_tags({}u + c)", record.first_placement));
     line("uint i = range.x;");
     line("uint asked = 0u;");
     open("while (i < range.y && hit_number == 0u)");
@@ -615,16 +615,16 @@ class Generator : GlslWriter {
   /// To the next candidate whose cube holds the point. A loop of its own: all points search, then all that have found one
   /// evaluate it (Aila and Laine 2009, while-while), and the evaluation's rounds are no more than a point's finds.
   void emit_search(const gpu::GroupRecord& record, bool any_tiled, const Placements& candidates, const CubeTest& cube) {
-    const std::string placement = fmt::format("placements[{}u + c]", record.first_placement);
+    const std::string placement = fmt::format("{}u + c", record.first_placement);
     open("for (; i < range.y && !held; ++i)");
     line("++asked;");
-    line("c = lists[i];");
-    line("q = apply({}.local_from_object, p);", placement);
-    if (any_tiled) line("bool tiled = {}.tiled != 0u;", placement);
+    line("c = list_at(i);");
+    line("q = apply(placement_affine({}), p);", placement);
+    if (any_tiled) line("bool tiled = placement_tags({}).y != 0u;", placement);
     if (any_tiled) line("if (tiled) q = wrap_cube(q);");
     line(any_tiled ? "held = tiled || {};" : "held = {};", cube.holds);
     if (reaches()) {
-      line("local = {};", candidates.frame(placement + ".local_from_object"));
+      line("local = {};", candidates.frame("placement_affine(" + placement + ")"));
       if (any_tiled) line("if (tiled) limit(0.0, 1.0);");
       line("if (!held) {};", cube.limit);
     }
@@ -633,7 +633,7 @@ class Generator : GlslWriter {
 
   /// One call for each different shape of the group's objects; all objects that are cut share one walker.
   void emit_calls(const std::vector<Id<Object>>& called, const gpu::GroupRecord& record) {
-    const std::string placement = fmt::format("placements[{}u + c]", record.first_placement);
+    const std::string placement = fmt::format("{}u + c", record.first_placement);
     std::vector<std::pair<std::string, std::string>> calls;  // condition, and what is called then
     std::string others;                                      // holds for no object that has a call of its own
     const auto also = [&](const std::string& name, const std::string& number, const std::string& made) {
@@ -655,14 +655,14 @@ class Generator : GlslWriter {
       }
     }
     if (by_family) {
-      line("uint united = {}.united;", placement);
+      line("uint united = placement_tags({}).w;", placement);
       line("uint row = united >> DMVV_FAMILY_BITS;");
     }
     const bool choose = calls.size() + (walked ? 1u : 0u) > 1;
     if (!choose && !calls.empty()) return line("{};", calls.front().second);
     if (!choose && called.size() == 1) return line("{};", call(*walked, "q", "level + 1u"));
     if (by_family) line("uint family = united & (1u << DMVV_FAMILY_BITS) - 1u;");
-    if (by_object || walked) line("uint object = {}.object;", placement);
+    if (by_object || walked) line("uint object = placement_tags({}).x;", placement);
     // One after the other, not nested in each other's else.
     for (const auto& [condition, made] : calls) line("if ({}) {};", condition, made);
     if (walked) line(others.empty() ? "walk(object, q, level + 1u);" : "if ({}) walk(object, q, level + 1u);", others);

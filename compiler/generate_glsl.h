@@ -62,7 +62,10 @@ Evaluation generate_evaluation(const Module& module, const Records& records, con
                                const GlslOptions& options);
 
 /// The complete text of a kernel: version, records, bindings in use, evaluation, main.
-std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Kernel kernel);
+std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Kernel kernel, RecordAccess access);
+
+/// What the buffer at this binding of set 0 is to the kernels that generate_glsl writes.
+BufferForm form_of(std::uint32_t binding, RecordAccess access);
 
 /// Does the image of the standard cube lie in the box, float32 rounding included? Then `box_tests` leaves its test out.
 bool cube_maps_into(const Affine& affine, const LocalBox& box);

@@ -124,6 +124,15 @@ std::string cells_found(const Program& program) {
   return fmt::format("{} cells, {} bytes of tapes", cells->count, words->bytes.size());
 }
 
+std::string texels_found(const Program& program, const CompileOptions& options) {
+  if (options.max_texel_buffer_elements == 0) return "";  // for what device is not known
+  std::vector<std::string> names;
+  for (const Buffer& buffer : program.buffers) {
+    if (buffer.form != BufferForm::records) names.push_back(buffer.name);
+  }
+  return names.empty() ? "nothing to do" : fmt::format("{}", fmt::join(names, ", "));
+}
+
 /// run_passes, with what each did; those that the generator carries out are described from the module that it gets.
 std::vector<PassEffect> run_and_tell(Module& module, const CompileOptions& options) {
   std::vector<PassEffect> effects;
@@ -263,6 +272,7 @@ std::optional<Inventory> take_inventory(Module module, const CompileOptions& opt
   for (PassEffect& effect : result.passes) {
     if (effect.pass == "tapes" && effect.effect != "off") effect.effect = tapes_found(result.program);
     if (effect.pass == "shorten-tapes" && effect.effect != "off") effect.effect = cells_found(result.program);
+    if (effect.pass == "texel-records" && effect.effect != "off") effect.effect = texels_found(result.program, options);
   }
   result.objects = std::move(stock.objects);
   for (std::size_t i = 0; i < result.objects.size(); ++i) {

@@ -47,12 +47,28 @@ enum class Filter : std::uint8_t {
   tricubic,  ///< Catmull-Rom, 64 fetches: keeps the samples, smooth where trilinear has edges
 };
 
-/// A storage buffer of descriptor set 0.
+/// How shaders read the records that each point finds by an index of its own (shaders/access.glsl). The values are the
+/// same. From a storage buffer lavapipe loads them point after point, a texel of a storage texel buffer for eight points
+/// at once.
+enum class RecordAccess : std::uint8_t { buffers, texels };
+
+/// What a buffer is to shaders.
+enum class BufferForm : std::uint8_t {
+  records,   ///< a storage buffer
+  r32ui,     ///< a storage texel buffer, a word a texel
+  rg32ui,    ///< likewise, two words
+  rgba32ui,  ///< likewise, four words
+};
+/// 0 for records.
+std::size_t bytes_per_texel(BufferForm form);
+
+/// A buffer of descriptor set 0.
 struct Buffer {
   std::string name;
   std::uint32_t binding;
   std::vector<std::byte> bytes;  ///< never empty: one record of zeros where there is none
   std::size_t count = 0;         ///< records
+  BufferForm form = BufferForm::records;
 };
 
 /// A 3D texture of descriptor set 0 (combined image sampler, linear, clamped to the edge, no mipmaps).

@@ -39,6 +39,20 @@ std::uint8_t byte_of(float value) { return static_cast<std::uint8_t>(std::lround
 
 }  // namespace
 
+std::size_t bytes_per_texel(BufferForm form) {
+  switch (form) {
+    case BufferForm::records:
+      return 0;
+    case BufferForm::r32ui:
+      return 4;
+    case BufferForm::rg32ui:
+      return 8;
+    case BufferForm::rgba32ui:
+      return 16;
+  }
+  return 0;
+}
+
 std::size_t bytes_per_texel(TexelFormat format) {
   switch (format) {
     case TexelFormat::r32f: return 4;

@@ -7,7 +7,6 @@
 #include <bit>
 #include <cstring>
 
-#include "compiler/compile.h"
 #include "compiler/snippet/program.h"
 #include "runtime/gpu.h"
 
@@ -19,7 +18,7 @@ using compiler::Affine;
 using compiler::Codegen;
 using compiler::DeviceCosts;
 
-constexpr std::uint32_t version = 1;  // of the measuring, in the cache's key
+constexpr std::uint32_t version = 2;  // of the measuring, in the cache's key
 constexpr glm::uvec2 size_px{256, 256};
 constexpr double points = 256.0 * 256.0;
 constexpr int repeats = 3;
@@ -165,6 +164,7 @@ class Calibration {
   double cost(compiler::Module module, Codegen codegen) {
     Diagnostics diagnostics;
     compiler::CompileOptions options;
+    fit_to(device_, options);
     options.codegen = codegen;
     options.disabled_passes = {"index", "merge-assets", "prune-sides", "drop-unreachable"};
     auto program = compiler::compile(std::move(module), options, diagnostics);
@@ -216,6 +216,14 @@ std::optional<DeviceCosts> find(const Device& device) {
 }  // namespace
 
 DeviceCosts costs_of(const Device& device) { return find(device).value_or(costs_of_kind(device.info())); }
+
+void fit_to(const Device& device, compiler::CompileOptions& options) {
+  const DeviceInfo& info = device.info();
+  options.max_extent_3d = info.max_extent_3d;
+  options.max_storage_buffer = info.max_storage_buffer;
+  options.max_texel_buffer_elements = info.kind == "cpu" ? info.max_texel_buffer_elements : 0;
+  options.costs = costs_of(device);
+}
 
 void calibrate(Device& device) {
   const auto& cache = device.impl().cache;

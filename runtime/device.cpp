@@ -107,6 +107,11 @@ std::string version_text(std::uint32_t version) {
                      VK_API_VERSION_PATCH(version));
 }
 
+/// Storage texel buffers have texels of two words only with this feature.
+bool has_two_word_texels(const vk::raii::PhysicalDevice& physical) {
+  return physical.getFeatures().shaderStorageImageExtendedFormats == VK_TRUE;
+}
+
 DeviceInfo describe(const vk::raii::PhysicalDevice& physical) {
   const auto chain = physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
   const auto& properties = chain.get<vk::PhysicalDeviceProperties2>().properties;
@@ -116,7 +121,9 @@ DeviceInfo describe(const vk::raii::PhysicalDevice& physical) {
           .driver = fmt::format("{} ({})", driver.driverName.data(), driver.driverInfo.data()),
           .api_version = version_text(properties.apiVersion),
           .max_extent_3d = properties.limits.maxImageDimension3D,
-          .max_storage_buffer = properties.limits.maxStorageBufferRange};
+          .max_storage_buffer = properties.limits.maxStorageBufferRange,
+          .max_texel_buffer_elements =
+              has_two_word_texels(physical) ? properties.limits.maxTexelBufferElements : 0};
 }
 
 std::optional<std::uint32_t> drawing_queue_family(const vk::raii::PhysicalDevice& physical) {
@@ -176,7 +183,9 @@ void open_queue(Device::Impl& impl) {
   const std::uint32_t family = drawing_queue_family(impl.physical).value();
   const float priority = 1.0f;
   const vk::DeviceQueueCreateInfo queue{.queueFamilyIndex = family, .queueCount = 1, .pQueuePriorities = &priority};
-  impl.device = vk::raii::Device(impl.physical, {.queueCreateInfoCount = 1, .pQueueCreateInfos = &queue});
+  const vk::PhysicalDeviceFeatures features{.shaderStorageImageExtendedFormats = has_two_word_texels(impl.physical)};
+  impl.device = vk::raii::Device(
+      impl.physical, {.queueCreateInfoCount = 1, .pQueueCreateInfos = &queue, .pEnabledFeatures = &features});
   impl.queue = impl.device.getQueue(family, 0);
   impl.pool =
       impl.device.createCommandPool({.flags = vk::CommandPoolCreateFlagBits::eTransient, .queueFamilyIndex = family});

@@ -33,9 +33,39 @@ vk::Format vulkan_format(compiler::TexelFormat format) {
   return vk::Format::eUndefined;
 }
 
+/// Undefined for a storage buffer.
+vk::Format vulkan_format(compiler::BufferForm form) {
+  switch (form) {
+    case compiler::BufferForm::records:
+      return vk::Format::eUndefined;
+    case compiler::BufferForm::r32ui:
+      return vk::Format::eR32Uint;
+    case compiler::BufferForm::rg32ui:
+      return vk::Format::eR32G32Uint;
+    case compiler::BufferForm::rgba32ui:
+      return vk::Format::eR32G32B32A32Uint;
+  }
+  return vk::Format::eUndefined;
+}
+
+vk::DescriptorType descriptor_type(compiler::BufferForm form) {
+  return form == compiler::BufferForm::records ? vk::DescriptorType::eStorageBuffer
+                                               : vk::DescriptorType::eStorageTexelBuffer;
+}
+
 vk::Extent3D vulkan_extent(const glm::uvec3& extent) { return {extent.x, extent.y, extent.z}; }
 
+std::optional<Error> texels_fault(const Device::Impl& gpu, const compiler::Buffer& buffer) {
+  const std::size_t texels = buffer.bytes.size() / compiler::bytes_per_texel(buffer.form);
+  if (texels <= gpu.info.max_texel_buffer_elements) return std::nullopt;
+  return Error{Fault::input,
+               fmt::format("the scene's buffer '{}' needs {} texels; '{}' allows {} (maxTexelBufferElements)",
+                           buffer.name, texels, gpu.info.name, gpu.info.max_texel_buffer_elements),
+               {"compile it without the pass texel-records"}};
+}
+
 std::optional<Error> buffer_fault(const Device::Impl& gpu, const compiler::Buffer& buffer) {
+  if (buffer.form != compiler::BufferForm::records) return texels_fault(gpu, buffer);
   if (buffer.bytes.size() <= gpu.limits.maxStorageBufferRange) return std::nullopt;
   return Error{Fault::input,
                fmt::format("the scene's buffer '{}' needs {} bytes; '{}' allows {} (maxStorageBufferRange)",
@@ -167,9 +197,12 @@ void Evaluator::Impl::upload(const compiler::Program& program) {
       buffers.push_back(gpu.make_buffer(buffer.bytes.size(), vk::BufferUsageFlagBits::eStorageBuffer, MemoryUse::upload));
       continue;
     }
-    buffers.push_back(
-        upload_buffer(gpu, buffer.bytes.data(), buffer.bytes.size(), vk::BufferUsageFlagBits::eStorageBuffer));
+    using Usage = vk::BufferUsageFlagBits;
+    const bool is_texels = buffer.form != compiler::BufferForm::records;
+    buffers.push_back(upload_buffer(gpu, buffer.bytes.data(), buffer.bytes.size(),
+                                    is_texels ? Usage::eStorageTexelBuffer : Usage::eStorageBuffer));
   }
+  make_views(program);
   for (const compiler::Texture& texture : program.textures) textures.push_back(upload_texture(gpu, texture));
   using Mode = vk::SamplerAddressMode;
   sampler = gpu.device.createSampler({.magFilter = vk::Filter::eLinear,
@@ -177,6 +210,15 @@ void Evaluator::Impl::upload(const compiler::Program& program) {
                                       .addressModeU = Mode::eClampToEdge,
                                       .addressModeV = Mode::eClampToEdge,
                                       .addressModeW = Mode::eClampToEdge});
+}
+
+void Evaluator::Impl::make_views(const compiler::Program& program) {
+  for (std::size_t i = 0; i < buffers.size(); ++i) {
+    views.emplace_back(nullptr);
+    const vk::Format format = vulkan_format(program.buffers[i].form);
+    if (format == vk::Format::eUndefined) continue;
+    views.back() = gpu.device.createBufferView({.buffer = *buffers[i].buffer, .format = format, .range = VK_WHOLE_SIZE});
+  }
 }
 
 /// Every submission is waited for, so nothing reads the values while they change.
@@ -197,7 +239,7 @@ void Evaluator::Impl::bind_scene(const compiler::Program& program) {
                         .stageFlags = vk::ShaderStageFlagBits::eCompute});
     types.push_back(type);
   };
-  for (const compiler::Buffer& buffer : program.buffers) add(buffer.binding, vk::DescriptorType::eStorageBuffer);
+  for (const compiler::Buffer& buffer : program.buffers) add(buffer.binding, descriptor_type(buffer.form));
   for (const compiler::Texture& texture : program.textures)
     add(texture.binding, vk::DescriptorType::eCombinedImageSampler);
   scene_layout = gpu.device.createDescriptorSetLayout(vk::DescriptorSetLayoutCreateInfo{}.setBindings(bindings));
@@ -206,11 +248,13 @@ void Evaluator::Impl::bind_scene(const compiler::Program& program) {
   scene_set = make_set(scene_pool, scene_layout);
   for (std::size_t i = 0; i < buffers.size(); ++i) {
     const vk::DescriptorBufferInfo info{*buffers[i].buffer, 0, VK_WHOLE_SIZE};
+    const vk::BufferView view = *views[i];  // the one of the two that the type asks for is read
     gpu.device.updateDescriptorSets(vk::WriteDescriptorSet{.dstSet = *scene_set,
                                                            .dstBinding = program.buffers[i].binding,
                                                            .descriptorCount = 1,
-                                                           .descriptorType = vk::DescriptorType::eStorageBuffer,
-                                                           .pBufferInfo = &info},
+                                                           .descriptorType = descriptor_type(program.buffers[i].form),
+                                                           .pBufferInfo = &info,
+                                                           .pTexelBufferView = &view},
                                     nullptr);
   }
   for (std::size_t i = 0; i < textures.size(); ++i) {

@@ -6,7 +6,7 @@
 
 #include "runtime/gpu.h"
 #include "runtime/raster.h"
-#include "runtime/leaders.h"
+#include "runtime/trials.h"
 #include "runtime/verdicts.h"
 
 namespace dmvv::runtime {
@@ -71,8 +71,11 @@ struct FramePasses {
 
 /// How a tile's pixels are evaluated.
 struct Course {
+  static constexpr std::size_t count = 4;
   bool classifies = false;  ///< by verdicts
   bool leads = false;       ///< leaders first
+  std::size_t number() const { return (classifies ? 1u : 0u) + (leads ? 2u : 0u); }
+  static constexpr Course of_number(std::size_t number) { return {(number & 1u) != 0, (number & 2u) != 0}; }
 };
 
 struct Evaluator::Impl {
@@ -88,6 +91,7 @@ struct Evaluator::Impl {
   std::optional<std::size_t> time_buffer;  ///< index into buffers: mapped, written before each evaluation
 
   std::vector<GpuBuffer> buffers;
+  std::vector<vk::raii::BufferView> views;  ///< of each of them; null for those that are no texels
   std::vector<GpuImage> textures;
   vk::raii::Sampler sampler{nullptr};
   vk::raii::DescriptorSetLayout scene_layout{nullptr};
@@ -98,7 +102,8 @@ struct Evaluator::Impl {
   std::optional<KernelPipeline> points, list, count_groups, classify, count_hits;
   std::map<std::array<vk::Bool32, 3>, KernelPipeline> pixels, leaders, follow, paint;  ///< by the specialisation constants
   std::optional<Verdicts> verdicts;
-  Leaders asked_leaders;
+  Trials courses{Course::count, Course{.classifies = true, .leads = false}.number()};
+  double compile_ms = 0.0, drawn_ms = 0.0;  ///< what the pixels' kernel took to compile; what frames have taken since
   bool has_drawn = false;  ///< a frame beyond the warm-up: another one may follow, and verdicts pay
   std::optional<Rasteriser> rasteriser;
   std::optional<Frame> frame;
@@ -120,11 +125,13 @@ struct Evaluator::Impl {
  private:
   void set_time(double time_ms);
   void upload(const compiler::Program& program);
+  void make_views(const compiler::Program& program);
   void bind_scene(const compiler::Program& program);
   Result<void> warm_up(const Shot& shot, vk::Extent2D extent, const Wanted& wanted, const FramePasses& passes,
                        Timings* timings);
   Frame make_frame(vk::Extent2D extent, const Wanted& wanted) const;
   bool has_leaders() const { return !code[static_cast<std::size_t>(compiler::Kernel::leaders)].empty(); }
+  Course choose_course(const FramePasses& passes);
   void make_verdicts(const Wanted& wanted);
   void make_leaders(const Wanted& wanted);
   void prepare_images(const vk::raii::CommandBuffer& commands, bool kept, bool clears, const Course& course);

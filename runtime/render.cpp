@@ -55,6 +55,11 @@ struct ReadbackLayout {
         bytes(header + sizeof(gpu::PixelListHeader)) {}
 };
 
+std::uint32_t evaluated_pixels(const gpu::PixelListHeader& counted, bool with_leaders) {
+  const auto& counts = counted.counts;
+  return with_leaders ? counts[DMVV_LEADERS_OF_TILES] + counts[DMVV_LEFT] : counts[DMVV_TO_EVALUATE];
+}
+
 std::size_t pixels_of(const Tile& tile) { return std::size_t{tile.size_px.x} * tile.size_px.y; }
 
 /// What came back of a tile; null what is not wanted.
@@ -403,6 +408,20 @@ void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, gpu
   dispatch(DMVV_LEADERS_OF_TILES);
 }
 
+/// The fastest of those that are possible. The leaders' kernel is made when frames without it have taken as long as it takes
+/// to compile (rent or buy).
+Course Evaluator::Impl::choose_course(const FramePasses& passes) {
+  const bool may_skip = passes.pixel_list && has_drawn && std::abs(now_ms) <= compiler::Judge::longest_ms;
+  const bool may_classify = may_skip && passes.verdicts && judge;
+  const bool may_lead = may_skip && passes.reach && has_leaders() && drawn_ms >= compile_ms;
+  std::array<bool, Course::count> possible{};
+  for (std::size_t i = 0; i < possible.size(); ++i) {
+    const Course course = Course::of_number(i);
+    possible[i] = (may_classify || !course.classifies) && (may_lead || !course.leads);
+  }
+  return may_skip ? Course::of_number(courses.begin(possible)) : Course{};
+}
+
 double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const FramePasses& passes) {
   gpu::PixelsParams params = shot.pixels;
   params.width = tile.size_px.x;
@@ -413,8 +432,7 @@ double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const Fr
   if (passes.keep_picture && has_surface && frame->shaded == shading) return 0.0;
 
   const bool draws = !(passes.keep_surface && has_surface);
-  const bool knows_time = std::abs(now_ms) <= compiler::Judge::longest_ms, may_skip = passes.pixel_list && has_drawn && knows_time;
-  const Course course{may_skip && passes.verdicts && judge, may_skip && passes.reach && has_leaders() && asked_leaders.begin_frame()};
+  const Course course = choose_course(passes);
   if (course.leads) make_leaders(frame->wanted);
   params.has_leaders = course.leads;
   if (course.classifies) {
@@ -438,8 +456,11 @@ double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const Fr
   frame->surface = std::move(surface);
   frame->shaded = std::move(shading);
   const gpu::PixelListHeader counted = tile_pixels(*frame, tile).counted;
-  if (course.classifies) verdicts->end_frame(evaluated_pixels(counted, course.leads), ms, draws);
-  if (has_drawn) asked_leaders.end_frame(counted, ms, course.leads);
+  const double split_ms = course.classifies ? verdicts->end_frame(evaluated_pixels(counted, course.leads), ms, draws) : 0.0;
+  if (has_drawn && passes.pixel_list) {
+    courses.end(course.number(), ms + split_ms);
+    drawn_ms += ms;
+  }
   return ms;
 }
 
@@ -468,9 +489,7 @@ Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, con
     frame = make_frame(extent, wanted);
   }
   render_tile(shot, {{0, 0}, glm::min(warm_up_px, shot.size_px)}, passes);
-  if (!has_kernel) {
-    asked_leaders.set_cost(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-  }
+  if (!has_kernel) compile_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return {};
 }
 

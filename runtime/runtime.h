@@ -37,6 +37,7 @@ struct DeviceInfo {
   std::string api_version;  ///< "1.3.230"
   std::uint32_t max_extent_3d;
   std::uint64_t max_storage_buffer;
+  std::uint32_t max_texel_buffer_elements;  ///< of storage texel buffers; 0: it lacks texels of two words
 };
 
 /// Milliseconds of named steps, in order.

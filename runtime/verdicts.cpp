@@ -122,7 +122,7 @@ void Verdicts::fill(gpu::PixelsParams& params) const {
   params.counts_both = judge_->is_animated() && (!times_ || times_->span_ms().lo < times_->span_ms().hi);
 }
 
-void Verdicts::end_frame(std::uint32_t evaluated, double ms, bool drew) {
+double Verdicts::end_frame(std::uint32_t evaluated, double ms, bool drew) {
   // Few pixels are measured badly: what a frame costs anyway would be counted as theirs.
   if (2 * evaluated >= most_evaluated_ && evaluated != 0 && !(drew && is_pixel_measured_)) {
     most_evaluated_ = std::max<std::size_t>(most_evaluated_, evaluated);
@@ -142,22 +142,21 @@ void Verdicts::end_frame(std::uint32_t evaluated, double ms, bool drew) {
   }
   const auto affordable = static_cast<std::size_t>(share_for_splitting * 1e6 * ms / ns_a_cell()) + 1;
   const std::size_t for_always = std::min(affordable, always_.busy.size());
-  split(always_, for_always);
-  split(span_, affordable - for_always);
+  return split(always_, for_always) + split(span_, affordable - for_always);
 }
 
-void Verdicts::split(Grove& grove, std::size_t most_cells) {
+double Verdicts::split(Grove& grove, std::size_t most_cells) {
   using Clock = std::chrono::steady_clock;
   const std::vector<std::uint32_t> cells(grove.busy.begin(), grove.busy.begin() + static_cast<std::ptrdiff_t>(std::min(most_cells, grove.busy.size())));
-  if (cells.empty()) return;
+  if (cells.empty()) return 0.0;
   grove.busy.erase(grove.busy.begin(), grove.busy.begin() + static_cast<std::ptrdiff_t>(cells.size()));
   if (grove.tree->is_full()) {  // after a while, what is looked at is worth more than what was
-    if (++grove.frames_full < most_frames_full) return;
+    if (++grove.frames_full < most_frames_full) return 0.0;
     grove.frames_full = 0;
     grove.busy.clear();
     const compiler::Judge::Times& times = &grove == &span_ ? *times_ : judge_->always();
     grove.tree.emplace(*judge_, times, grove.memory);
-    return;
+    return 0.0;
   }
   const auto start = Clock::now();
   const std::size_t count = grove.tree->split(cells);
@@ -165,6 +164,7 @@ void Verdicts::split(Grove& grove, std::size_t most_cells) {
   split_ns_ = memory_of_splits * split_ns_ + ns;
   split_cells_ = memory_of_splits * split_cells_ + static_cast<double>(count);
   if (&grove == &span_) spent_ns_ += ns;
+  return 1e-6 * ns;
 }
 
 }  // namespace dmvv::runtime

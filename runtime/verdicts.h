@@ -26,8 +26,8 @@ class Verdicts {
   /// Tells `classify` what it needs to know.
   void fill(gpu::PixelsParams& params) const;
   /// Call when the device is done in `ms`, in which it evaluated so many pixels and `drew` the surface or not. Splits busy
-  /// cells for a quarter of that time, at most.
-  void end_frame(std::uint32_t evaluated, double ms, bool drew);
+  /// cells for a quarter of that time, at most; returns what that took.
+  double end_frame(std::uint32_t evaluated, double ms, bool drew);
 
  private:
   /// A tree in its part of the memory.
@@ -40,8 +40,8 @@ class Verdicts {
   void begin_span(double time_ms);
   void judge_span();
   std::uint32_t hits_to_split() const;
-  /// Splits the first of the busy cells.
-  void split(Grove& grove, std::size_t most_cells);
+  /// Splits the first of the busy cells. Returns milliseconds.
+  double split(Grove& grove, std::size_t most_cells);
 
   std::shared_ptr<const compiler::Judge> judge_;
   GpuBuffer words_, hits_, outcomes_, busy_;

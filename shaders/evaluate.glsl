@@ -49,6 +49,6 @@ vec3 apply(AffineRows a, vec3 p) {
 uvec2 find_cell(vec3 p, vec3 lo, vec3 cells_per_unit, uvec3 size, uint first_cell) {
   uvec3 c = uvec3(clamp(floor((p - lo) * cells_per_unit), vec3(0.0), vec3(size - 1u)));
   uint cell = first_cell + (c.z * size.y + c.y) * size.x + c.x;
-  return uvec2(cells[cell], cells[cell + 1u]);
+  return uvec2(cell_at(cell), cell_at(cell + 1u));
 }
 #endif

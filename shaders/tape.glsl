@@ -5,8 +5,8 @@
 // What a snippet is at q: its value, or where its side is known any value on that side.
 float walk_tape(vec3 q, uint first_cell, float side, uint first_time_value) {
   vec3 c = clamp(floor((q + 1.0) * (0.5 * side)), vec3(0.0), vec3(side - 1.0));
-  uint cell = tape_cells[first_cell + uint((c.z * side + c.y) * side + c.x)];
-  uint count = tapes[cell].x;
+  uint cell = tape_cell_at(first_cell + uint((c.z * side + c.y) * side + c.x));
+  uint count = tape_at(cell).x;
   uint r[DMVV_TAPE_REGISTERS];
   r[0] = floatBitsToUint(q.x);
   r[1] = floatBitsToUint(q.y);
@@ -15,7 +15,7 @@ float walk_tape(vec3 q, uint first_cell, float side, uint first_time_value) {
   uint walked = 0u;
   for (uint i = 0u; i < count; ++i) {
     ++walked;
-    uvec2 instruction = tapes[cell + 1u + i];
+    uvec2 instruction = tape_at(cell + 1u + i);
     uint x = instruction.x;
     r[DMVV_TAPE_CONSTANT] = instruction.y;
     uint a = r[(x >> 16u) & (DMVV_TAPE_REGISTERS - 1u)];

@@ -26,7 +26,7 @@ bool placed_negative(uint sdf, vec3 q) {
 bool walk_negative(uint sdf, vec3 p) {
   uint first = sdfs[sdf].first_placement;
   if (sdfs[sdf].kind != DMVV_KIND_SEEDED) {
-    vec3 q = apply(placements[first].local_from_object, p);
+    vec3 q = apply(placement_affine(first), p);
     if (sdfs[sdf].kind == DMVV_KIND_TILED) q = wrap_cube(q);
     return placed_negative(sdf, q);
   }
@@ -35,7 +35,7 @@ bool walk_negative(uint sdf, vec3 p) {
   bool negative = false;
   for (uint i = range.x; i < range.y && !negative; ++i) {
     ++asked;
-    negative = placed_negative(sdf, apply(placements[first + lists[i]].local_from_object, p));
+    negative = placed_negative(sdf, apply(placement_affine(first + list_at(i)), p));
   }
   hit_unfinished = hit_unfinished || (!negative && asked != range.y - range.x);
   return negative;
@@ -79,16 +79,16 @@ void walk(uint object, vec3 p, uint level) {
     Frame f = stack[top];
     uint group = regions[f.region].first_group + f.groups_begun;
     if (f.i < f.end) {  // ask the next candidate of the open group
-      uint c = lists[f.i];
+      uint c = list_at(f.i);
       uint placement = groups[group - 1u].first_placement + c;
       stack[top].i = f.i + 1u;
-      vec3 q = apply(placements[placement].local_from_object, f.p);
-      bool tiled = placements[placement].tiled != 0u;
+      vec3 q = apply(placement_affine(placement), f.p);
+      bool tiled = placement_tags(placement).y != 0u;
       if (tiled) q = wrap_cube(q);
       if (tiled || in_cube(q)) {
         stack[top].candidate = groups[group - 1u].first_number + c;
         top = top + 1;
-        stack[top] = Frame(q, walk_tree(placements[placement].object, q), 0u, 0u, 0u, 0u);
+        stack[top] = Frame(q, walk_tree(placement_tags(placement).x, q), 0u, 0u, 0u, 0u);
       }
     } else if (f.groups_begun < regions[f.region].group_count) {  // open the next group
       stack[top].groups_begun = f.groups_begun + 1u;

@@ -18,12 +18,18 @@ struct Setting {
   compiler::CompileOptions options;
 };
 
+/// Elements that a storage texel buffer can have on every device.
+inline constexpr std::uint32_t least_texel_buffer = 65536;
+
 /// Each must answer like the reference (spec/accuracy.md).
 inline std::vector<Setting> agreeing_settings() {
-  std::vector<Setting> all{{"specialised", {}}, {"table", {}}, {"mixed", {}}, {"no passes", {}}};
+  std::vector<Setting> all{{"specialised", {}}, {"table", {}},  {"mixed", {}},
+                           {"no passes", {}},   {"texels", {}}, {"mixed, texels", {}}};
   all[1].options.codegen = compiler::Codegen::table;
   all[2].options.inlined_line_budget = 200;
   for (const auto& pass : compiler::pass_names()) all[3].options.disabled_passes.emplace_back(pass.name);
+  all[4].options.max_texel_buffer_elements = all[5].options.max_texel_buffer_elements = least_texel_buffer;
+  all[5].options.inlined_line_budget = 200;
   return all;
 }
 

@@ -54,12 +54,12 @@ void object_0(vec3 p, uint level) {
       bool held = false;
       for (; i < range.y && !held; ++i) {
         ++asked;
-        c = lists[i];
-        q = apply(placements[2u + c].local_from_object, p);
+        c = list_at(i);
+        q = apply(placement_affine(2u + c), p);
         held = in_cube(q);
       }
       if (held) {
-        uint object = placements[2u + c].object;
+        uint object = placement_tags(2u + c).x;
         if (object == 1u) object_1(q, level + 1u);
         if (object == 2u) object_2(q, level + 1u, true);
         if (hit_number != 0u) came_through(0u, c, level);

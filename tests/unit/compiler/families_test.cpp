@@ -33,7 +33,7 @@ TEST_CASE("functions that differ in literals alone become one, which reads them"
   CHECK(families.take({"main"}) ==
         "// f and 1 more of its shape\n"
         "float f_united(uint row, vec3 p) {\n"
-        "  uvec4 k0 = parameters[row + 0u];\n"
+        "  uvec4 k0 = parameter_at(row + 0u);\n"
         "  return length(p) - uintBitsToFloat(k0.x);\n"
         "}\n"
         "float h(vec3 p) {\n  return length(p) + 0.5;\n}\n"
@@ -82,7 +82,7 @@ TEST_CASE("constant arrays may differ in length; other sizes are part of the sha
   families.add("main", "float s = f_united(row, p);\n");
   families.settle();
   CHECK(has(families.take({"main"}),
-            "s = s + uintBitsToFloat(parameters[row + 1u + 1u * uint(clamp(i, 0, int(k0.x)))].x);"));
+            "s = s + uintBitsToFloat(parameter_at(row + 1u + 1u * uint(clamp(i, 0, int(k0.x)))).x);"));
   const auto value = [&](const std::string& name, std::uint32_t i) {
     return std::bit_cast<float>(families.parameters()[families.row(name) + 1 + i].x);
   };
