@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <cmath>
 #include <cstring>
 
+#include "compiler/content.h"
 #include "runtime/pipeline_cache.h"
 #include "shaders/records.h"
 
@@ -221,6 +223,11 @@ void Evaluator::Impl::make_views(const compiler::Program& program) {
   }
 }
 
+std::optional<Error> time_fault(double time_ms) {
+  if (std::abs(time_ms) <= compiler::any_time_ms) return std::nullopt;
+  return Error{Fault::input, fmt::format("the time {} ms is out of range", time_ms), {fmt::format("use one between -{0} and {0} ms", compiler::any_time_ms)}};
+}
+
 /// Every submission is waited for, so nothing reads the values while they change.
 void Evaluator::Impl::set_time(double time_ms) {
   now_ms = time_ms;
@@ -327,6 +334,7 @@ KernelPipeline Evaluator::Impl::make_pipeline(std::span<const std::uint32_t> wor
 
 Result<std::vector<PointAnswer>> Evaluator::Impl::probe(std::span<const glm::dvec3> positions, double time_ms,
                                                                 Timings* timings) {
+  if (auto refused = time_fault(time_ms)) return tl::unexpected(std::move(*refused));
   set_time(time_ms);
   // ---- buffers for one batch; both are read and written in place ----
   constexpr std::size_t answer_budget = std::size_t{32} << 20;

@@ -67,6 +67,7 @@ struct FramePasses {
   bool keep_still = true;
   bool clusters = true;
   bool reach = true;
+  bool trials = true;
 };
 
 /// How a tile's pixels are evaluated.
@@ -77,6 +78,9 @@ struct Course {
   std::size_t number() const { return (classifies ? 1u : 0u) + (leads ? 2u : 0u); }
   static constexpr Course of_number(std::size_t number) { return {(number & 1u) != 0, (number & 2u) != 0}; }
 };
+
+/// Programs may rely on times within compiler::any_time_ms.
+std::optional<Error> time_fault(double time_ms);
 
 struct Evaluator::Impl {
   const Device::Impl& gpu;

@@ -223,6 +223,7 @@ const std::vector<FramePassInfo>& frame_pass_names() {
       {"keep-surface", "what stands still before a camera that stands still is not drawn again"},
       {"keep-picture", "a frame in which nothing changed is not evaluated again"},
       {"verdicts", "where a proof tells the answer, nothing is evaluated; proofs are made from the second frame on"},
+      {"trials", "of verdicts and reach only what makes frames faster is used, as is tried now and then"},
       {"reach", "one pixel of 4 x 4 tells how far its answer holds; those within are not evaluated"},
       {"keep-still", "while only the time changes, what does not depend on it is not evaluated again"},
   };
@@ -371,7 +372,7 @@ void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, gpu
     wait(Access::eIndirectCommandRead, Stage::eDrawIndirect);
   };
   const auto dispatch = [&](std::uint32_t listed) {
-    commands.dispatchIndirect(*frame->list.buffer, listed * sizeof(gpu::Groups));
+    commands.dispatchIndirect(*frame->list.buffer, listed * sizeof(gpu::DispatchGroups));
   };
   const auto blocks = [](std::uint32_t px) { return (px + DMVV_PIXELS_BLOCK - 1) / DMVV_PIXELS_BLOCK; };
   const std::uint32_t groups = blocks(params.width) * blocks(params.height), runs = groups * DMVV_PIXELS_BLOCK;
@@ -413,7 +414,8 @@ void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, gpu
 Course Evaluator::Impl::choose_course(const FramePasses& passes) {
   const bool may_skip = passes.pixel_list && has_drawn && std::abs(now_ms) <= compiler::Judge::longest_ms;
   const bool may_classify = may_skip && passes.verdicts && judge;
-  const bool may_lead = may_skip && passes.reach && has_leaders() && drawn_ms >= compile_ms;
+  const bool may_lead = may_skip && passes.reach && has_leaders() && (drawn_ms >= compile_ms || !passes.trials);
+  if (!passes.trials) return {may_classify, may_lead};
   std::array<bool, Course::count> possible{};
   for (std::size_t i = 0; i < possible.size(); ++i) {
     const Course course = Course::of_number(i);
@@ -494,6 +496,7 @@ Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, con
 }
 
 Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
+  if (auto refused = time_fault(view.time_ms)) return tl::unexpected(std::move(*refused));
   set_time(view.time_ms);
   if (!rasteriser) rasteriser.emplace(gpu);
   if (!view.slice) {
@@ -509,7 +512,7 @@ Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
                       view.want_regions || view.want_depth, view.want_depth || view.want_positions};
   const FramePasses passes{enabled(view, "pixel-list"), enabled(view, "keep-surface"), enabled(view, "keep-picture"),
                            enabled(view, "verdicts"), enabled(view, "keep-still"), enabled(view, "clusters"),
-                           enabled(view, "reach")};
+                           enabled(view, "reach"), enabled(view, "trials")};
   if (const auto ready = warm_up(*shot, extent, wanted, passes, timings); !ready) return tl::unexpected(ready.error());
 
   const Stopwatch watch(timings, "frame");

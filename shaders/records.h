@@ -114,11 +114,11 @@ struct PixelsParams {
 #define DMVV_TO_PAINT 3u
 #define DMVV_LISTS_OF_PIXELS 4
 #define DMVV_LEADER_TILE 4u  // pixels each way that have one leader
-struct Groups {
+struct DispatchGroups {
   uint x, y, z;
 };
 struct PixelListHeader {
-  Groups groups[DMVV_LISTS_OF_PIXELS];  // of the indirect dispatch over each list; 0, 1, 1 before `count_groups`
+  DispatchGroups groups[DMVV_LISTS_OF_PIXELS];  // of the indirect dispatch over each list; 0, 1, 1 before `count_groups`
   uint counts[DMVV_LISTS_OF_PIXELS];    // pixels
   uint unfinished;                      // pixels for which the loop rounds of the device did not suffice
   uint pad0, pad1, pad2;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "compiler/snippet/interval.h"
 
@@ -20,7 +21,6 @@ struct Steep {
     std::array<Interval, 6> gram{};
     double error = 0.0;
     int terms = 0;  ///< 0: it is no such sum
-    friend bool operator==(const Squares&, const Squares&) = default;
   };
 
   Interval v{0.0, 0.0};
@@ -28,6 +28,7 @@ struct Steep {
   double error = 0.0;  ///< of float32 evaluation, p itself being exact
   std::array<Interval, 3> gradient{Interval{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
   Squares squares;
+  std::uint64_t identity = next_identity();  ///< of copies the same; of any others not, whatever their bounds are
 
   Steep() = default;
   /// A constant; what is not bounded is unknown.
@@ -40,12 +41,18 @@ struct Steep {
     gradient.fill({-infinity, infinity});
     squares = {};
   }
-  friend bool operator==(const Steep&, const Steep&) = default;
+
+ private:
+  static std::uint64_t next_identity() {
+    thread_local std::uint64_t last = 0;
+    return ++last;
+  }
 };
 
 /// Of two ways to the same place: the value jumps between them unless it is the same.
 inline Steep hull(const Steep& a, const Steep& b) {
-  if (a == b) return a;
+  const bool is_constant = a.v.lo == a.v.hi && a.v == b.v && a.slope == 0.0 && b.slope == 0.0 && a.error == 0.0 && b.error == 0.0;
+  if (a.identity == b.identity || is_constant) return a;
   Steep out(hull(a.v, b.v));
   out.forget();
   return out;

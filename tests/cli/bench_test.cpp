@@ -36,7 +36,7 @@ TEST_CASE("a scene is measured with every setting: table, JSON and plots") {
     CHECK(entry["peak_bytes"] > 0);
   }
   CHECK(variants == std::vector<std::string>{"auto", "specialised", "table", "thesis", "camera swings", "time goes on",
-                                             "no merge-assets", "no prune-sides", "no drop-unreachable", "no index", "no refine-index",
+                                             "no merge-assets", "no prune-sides", "no drop-unreachable", "no trim-cubes", "no index", "no refine-index",
                                              "no fold-affine", "no unite-shapes", "no box-tests", "no tapes", "no shorten-tapes", "no texel-records",
                                              "no pixel-list"});
   const std::string plot = folder.read("plots/settings_nested.svg");

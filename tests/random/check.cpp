@@ -109,6 +109,24 @@ std::optional<Fault> check_verdicts(const compiler::Judge& judge, const Setting&
   return std::nullopt;
 }
 
+/// A section drawn anew, and again with leaders: the same picture, to the byte.
+std::optional<Fault> check_reach(runtime::Evaluator& evaluator, const Setting& setting, double time_ms) {
+  runtime::View view;
+  view.size_px = {96, 96};
+  view.slice = runtime::Plane{{0.3, -0.2, 1.0}, 0.07};
+  view.time_ms = time_ms;
+  view.want_regions = true;
+  view.disabled_passes = {"trials", "verdicts", "reach", "keep-surface", "keep-picture", "keep-still"};
+  const auto anew = evaluator.render(view);
+  std::erase(view.disabled_passes, "reach");
+  const auto led = evaluator.render(view);
+  const auto failed = [&](const std::string& got) { return Fault{Fault::Kind::device, setting.name, time_ms, {}, {}, got}; };
+  if (!anew || !led) return std::nullopt;  // more loop rounds than there are: reported, and `probe` says for which points
+  if (anew->regions != led->regions) return failed("a picture whose regions are others with leaders");
+  if (anew->rgba != led->rgba) return failed("a picture whose colours are others with leaders");
+  return std::nullopt;
+}
+
 std::optional<Fault> check_setting(runtime::Device& device, const compiler::Module& module, const Setting& setting,
                                    const std::vector<Look>& looks, const CheckOptions& options, Counts& counts) {
   const auto fault = [&](Fault::Kind kind, std::string got) {
@@ -135,6 +153,9 @@ std::optional<Fault> check_setting(runtime::Device& device, const compiler::Modu
     auto answers = evaluator->probe(now.points.all, now.time_ms);
     if (!answers) return fault(Fault::Kind::device, text_of(answers.error()));
     if (options.tamper) options.tamper(module, *answers);
+    if (setting.name == "specialised") {
+      if (auto wrong = check_reach(*evaluator, setting, now.time_ms)) return wrong;
+    }
     for (std::size_t i = 0; i < answers->size(); ++i) {
       if (!now.expected[i].certain) continue;
       ++counts.answers;

@@ -67,19 +67,25 @@ TEST_CASE("no frame shows that verdicts were used, that what stands still was ke
     const compiler::Program program = tests::compiled(scene.second, judged());
     auto kept = runtime::Evaluator::create(device(), program).value();
     auto kept_steady = runtime::Evaluator::create(device(), program).value();
+    auto everything = runtime::Evaluator::create(device(), program).value();
     auto anew = runtime::Evaluator::create(device(), program).value();
     std::size_t differing_bytes = 0, unsteady = 0, pixels = 0, different_regions = 0;
     float largest_difference = 0.0f;
     for (runtime::View view : film()) {
       const auto steady = kept_steady.render(view);
+      view.disabled_passes = {"trials"};  // verdicts and leaders in each frame, whether they pay or not
+      const auto all = everything.render(view);
+      REQUIRE(all);
       view.steady_colors = false;
+      view.disabled_passes = {};
       const auto got = kept.render(view);
-      view.disabled_passes = {"verdicts", "keep-still", "keep-picture", "keep-surface"};
+      view.disabled_passes = {"verdicts", "reach", "keep-still", "keep-picture", "keep-surface"};
       const auto expected = anew.render(view);
       REQUIRE(got);
       REQUIRE(expected);
       REQUIRE(steady);
       unsteady += steady->rgba != expected->rgba || steady->regions != expected->regions;
+      unsteady += all->rgba != expected->rgba || all->regions != expected->regions;
       pixels += expected->regions.size();
       for (std::size_t i = 0; i < got->regions.size(); ++i) different_regions += got->regions[i] != expected->regions[i];
       for (std::size_t i = 0; i < got->rgba.size(); ++i) {

@@ -35,7 +35,7 @@ void object_1(vec3 p, uint level) {
   // LUMEN: 1 candidates
   {
     vec3 q = p * vec3(2.0);
-    bool enter = in_cube(q);
+    bool enter = in_box(q, vec3(-0.8750614), vec3(0.8750614));
     object_2(q, level + 1u, enter);
     if (enter && hit_number != 0u) came_through(1u, 0u, level);
   }
@@ -45,7 +45,7 @@ void object_1(vec3 p, uint level) {
 void object_0(vec3 p, uint level) {
   // BASE: 2 candidates
   {
-    uvec2 range = find_cell(p, vec3(-0.90000033, -0.90000033, -0.90000033), vec3(0.55555534, 0.55555534, 0.55555534), uvec3(1u, 1u, 1u), 0u);
+    uvec2 range = find_cell(p, vec3(-0.80000037, -0.80000037, -0.80000037), vec3(0.6249997, 0.6249997, 0.6249997), uvec3(1u, 1u, 1u), 0u);
     uint i = range.x;
     uint asked = 0u;
     while (i < range.y && hit_number == 0u) {
@@ -56,7 +56,7 @@ void object_0(vec3 p, uint level) {
         ++asked;
         c = list_at(i);
         q = apply(placement_affine(2u + c), p);
-        held = in_cube(q);
+        held = in_extent(q, extent_of(placement_tags(2u + c).z));
       }
       if (held) {
         uint object = placement_tags(2u + c).x;

@@ -98,7 +98,7 @@ TEST_CASE("bitmaps: rows from the bottom, wrapped, trilinear between texel centr
   region.bitmap = {0};
   module.regions.push_back(region);
   module.nodes.push_back({Id<compiler::Region>{0}});
-  module.objects.push_back({"A", {0}});
+  module.objects.push_back({"A", {0}, {}});
   module.root = {0};
   const compiler::Reference reference(module);
   // Texel centres of a 2^3 bitmap over [-1,1] are at -0.5 and 0.5.

@@ -394,7 +394,7 @@ TEST_CASE("a frame that keeps what stands still is the frame drawn anew, whateve
       }
     }
   }
-  CHECK(runtime::frame_pass_names().size() == 6);  // the others: tests/render/frames_test.cpp
+  CHECK(runtime::frame_pass_names().size() == 8);  // the others: tests/render/frames_test.cpp
 }
 
 /// With a loose triangle of no size: not closed any more, so it is drawn from both sides.
