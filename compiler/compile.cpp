@@ -27,11 +27,6 @@ bool enabled(const CompileOptions& options, std::string_view pass) {
   return std::find(options.disabled_passes.begin(), options.disabled_passes.end(), pass) == options.disabled_passes.end();
 }
 
-/// Is the scene's own code generated at all? Else its records alone are (the thesis' way, and its lists as they are).
-bool writes_code(const CompileOptions& options) {
-  return options.codegen == Codegen::specialised || options.codegen == Codegen::automatic;
-}
-
 /// Is there a kernel that tells how far answers hold?
 bool tells_reach(const CompileOptions& options) {
   return options.many_frames && writes_code(options) && enabled(options, "reach");
@@ -127,6 +122,10 @@ void count(Statistics& statistics, const Module& module) {
 }
 
 }  // namespace
+
+bool writes_code(const CompileOptions& options) {
+  return options.codegen == Codegen::specialised || options.codegen == Codegen::automatic;
+}
 
 IndexOptions index_options(const CompileOptions& options) {
   return {enabled(options, "index"), writes_code(options) && enabled(options, "refine-index"), tells_reach(options) ? DMVV_CELL_MARGIN : 0.0};

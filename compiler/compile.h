@@ -41,6 +41,9 @@ struct PassInfo {
 };
 const std::vector<PassInfo>& pass_names();
 
+/// Is the scene's own code generated at all? Else its records alone are (the thesis' way, and its lists as they are).
+bool writes_code(const CompileOptions& options);
+
 /// How such a program looks seeds and candidates up.
 IndexOptions index_options(const CompileOptions& options);
 

@@ -7,6 +7,7 @@
 #include <cassert>
 #include <set>
 
+#include "compiler/content.h"
 #include "compiler/flatten.h"
 #include "compiler/generate_glsl.h"
 #include "compiler/glsl_text.h"
@@ -112,6 +113,26 @@ std::string left_out_tests(const Module& module) {
   return all == 0 ? "nothing to do" : fmt::format("{} of {} box tests are left out", left_out, all);
 }
 
+/// What of the cubes that are asked is left, by volume.
+std::string trimmed(const Module& module) {
+  double left = 0.0;
+  std::size_t cubes = 0;
+  const auto add = [&](const LocalBox& content, std::size_t count) {
+    const glm::dvec3 edges = 0.5 * (content.hi - content.lo);
+    left += edges.x * edges.y * edges.z * static_cast<double>(count);
+    cubes += count;
+  };
+  for (const Sdf& sdf : module.sdfs) {
+    if (sdf.placement == voml::Placement::seeded) add(sdf.content, sdf.local_from_object.size());
+  }
+  for (const Region& region : module.regions) {
+    for (const CandidateGroup& group : region.groups) {
+      for (const Candidate& candidate : group.candidates) add(at(module.objects, candidate.object).content, 1);
+    }
+  }
+  return cubes == 0 ? "nothing to do" : fmt::format("{:.0f} % of {} cubes are asked", 100.0 * left / static_cast<double>(cubes), cubes);
+}
+
 std::string tapes_found(const Program& program) {
   const std::vector<std::string>& tapes = program.statistics.tapes;
   return tapes.empty() ? "nothing to do" : fmt::format("{}", fmt::join(tapes, "; "));
@@ -152,6 +173,10 @@ std::vector<PassEffect> run_and_tell(Module& module, const CompileOptions& optio
     if (pass.name == "merge-assets") change(merge_assets);
     if (pass.name == "prune-sides") change(prune_sides);
     if (pass.name == "drop-unreachable") change(drop_unreachable);
+    if (pass.name == "trim-cubes" && writes_code(options)) {
+      trim_cubes(module, options.atlas_format, options.filter);
+      effect.effect = trimmed(module);
+    }
     if (pass.name == "fold-affine") effect.effect = folded(module);
     if (pass.name == "box-tests") effect.effect = left_out_tests(module);
   }
