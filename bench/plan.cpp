@@ -92,7 +92,7 @@ class Planner {
     made.id = fmt::format("{}/{}/{}", section, scene_key, variant_name);
     if (made.settings.verdicts) {
       made.effort.settle_frames = 100;
-      made.effort.settle_ms = options_.quick ? 300.0 : 4000.0;
+      made.effort.settle_ms = options_.quick ? 300.0 : 6000.0;
     }
     if (options_.quick) {
       made.effort.builds = 1;

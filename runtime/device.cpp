@@ -135,6 +135,16 @@ std::optional<std::uint32_t> drawing_queue_family(const vk::raii::PhysicalDevice
   return std::nullopt;
 }
 
+/// What kernels that list pixels use (shaders/pixel_list.glsl).
+bool has_subgroups(const vk::raii::PhysicalDevice& physical) {
+  using Feature = vk::SubgroupFeatureFlagBits;
+  const auto chain = physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>();
+  const auto& subgroups = chain.get<vk::PhysicalDeviceSubgroupProperties>();
+  constexpr auto needed = Feature::eBasic | Feature::eArithmetic | Feature::eBallot;
+  return (subgroups.supportedOperations & needed) == needed &&
+         (subgroups.supportedStages & vk::ShaderStageFlagBits::eCompute);
+}
+
 struct Choice {
   vk::raii::PhysicalDevice physical;
   DeviceInfo info;
@@ -153,7 +163,8 @@ std::vector<vk::raii::PhysicalDevice> all_devices(const vk::raii::Instance& inst
 std::vector<Choice> usable_devices(const vk::raii::Instance& instance) {
   std::vector<Choice> choices;
   for (auto& physical : all_devices(instance)) {
-    if (physical.getProperties().apiVersion < VK_API_VERSION_1_2 || !drawing_queue_family(physical)) continue;
+    const bool is_new_enough = physical.getProperties().apiVersion >= VK_API_VERSION_1_2;
+    if (!is_new_enough || !drawing_queue_family(physical) || !has_subgroups(physical)) continue;
     DeviceInfo info = describe(physical);
     choices.push_back({std::move(physical), std::move(info)});
   }
@@ -168,7 +179,7 @@ std::string lower_case(std::string_view text) {
 }
 
 Result<Choice> choose(std::vector<Choice> choices, const std::string& name) {
-  if (choices.empty()) return no_driver("no installed driver offers a device with Vulkan 1.2 and a drawing queue");
+  if (choices.empty()) return no_driver("no installed driver offers a device with Vulkan 1.2, a drawing queue and subgroup arithmetic");
   const auto chosen = std::ranges::find_if(choices, [wanted = lower_case(name)](const Choice& choice) {
     return lower_case(choice.info.name).find(wanted) != std::string::npos;
   });

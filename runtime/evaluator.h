@@ -139,7 +139,7 @@ struct Evaluator::Impl {
   void make_verdicts(const Wanted& wanted);
   void make_leaders(const Wanted& wanted);
   void prepare_images(const vk::raii::CommandBuffer& commands, bool kept, bool clears, const Course& course);
-  void evaluate_tile(const vk::raii::CommandBuffer& commands, gpu::PixelsParams params, const FramePasses& passes,
+  void evaluate_tile(const vk::raii::CommandBuffer& commands, const gpu::PixelsParams& params, const FramePasses& passes,
                      const Course& course);
   /// Returns the milliseconds on the device (Device::Impl::run); 0 where the frame held the tile already.
   double render_tile(const Shot& shot, const Tile& tile, const FramePasses& passes);

@@ -343,70 +343,84 @@ void Evaluator::Impl::prepare_images(const vk::raii::CommandBuffer& commands, bo
   commands.pipelineBarrier(Stage::eTransfer, Stage::eComputeShader, {}, cleared, nullptr, nullptr);
 }
 
+namespace {
+
+/// Kernels over a tile's pixels, or over lists of them.
+class TileKernels {
+ public:
+  TileKernels(const vk::raii::CommandBuffer& commands, const Frame& frame, const vk::raii::DescriptorSet& scene_set,
+              const gpu::PixelsParams& params)
+      : commands_(commands), frame_(frame), scene_set_(scene_set), params_(params) {}
+
+  std::uint32_t blocks() const {
+    const auto along = [](std::uint32_t px) { return (px + DMVV_PIXELS_BLOCK - 1) / DMVV_PIXELS_BLOCK; };
+    return along(params_.width) * along(params_.height);
+  }
+
+  void run(const KernelPipeline& kernel, std::uint32_t groups, const Verdicts* verdicts = nullptr) {
+    bind(kernel, verdicts);
+    commands_.dispatch(groups, 1, 1);
+  }
+  /// Over the pixels of a list, once `count` has said how many groups they take.
+  void run_over(std::uint32_t listed, const KernelPipeline& kernel, const Verdicts* verdicts = nullptr) {
+    params_.listed_kind = listed;
+    bind(kernel, verdicts);
+    commands_.dispatchIndirect(*frame_.list.buffer, listed * sizeof(gpu::DispatchGroups));
+  }
+  void count(const KernelPipeline& count_groups) {
+    wait();
+    run(count_groups, 1);
+    wait(vk::AccessFlagBits::eIndirectCommandRead, Stage::eDrawIndirect);
+  }
+  void wait(vk::AccessFlags more = {}, vk::PipelineStageFlags stages = {}) {
+    const vk::MemoryBarrier written{.srcAccessMask = Access::eShaderWrite,
+                                    .dstAccessMask = Access::eShaderRead | Access::eShaderWrite | more};
+    commands_.pipelineBarrier(Stage::eComputeShader, Stage::eComputeShader | stages, {}, written, nullptr, nullptr);
+  }
+
+ private:
+  void bind(const KernelPipeline& kernel, const Verdicts* verdicts) {
+    constexpr auto compute = vk::PipelineBindPoint::eCompute;
+    commands_.bindPipeline(compute, *kernel.pipeline);
+    commands_.bindDescriptorSets(compute, *kernel.layout, 0, {*scene_set_, *frame_.io_set}, nullptr);
+    if (verdicts != nullptr) commands_.bindDescriptorSets(compute, *kernel.layout, 2, *verdicts->set(), nullptr);
+    commands_.pushConstants<gpu::PixelsParams>(*kernel.layout, vk::ShaderStageFlagBits::eCompute, 0, params_);
+  }
+
+  const vk::raii::CommandBuffer& commands_;
+  const Frame& frame_;
+  const vk::raii::DescriptorSet& scene_set_;
+  gpu::PixelsParams params_;
+};
+
+}  // namespace
+
 /// Lists the pixels that show a surface and that no verdict answers, and evaluates those; or all. With leaders, those first,
 /// and of the others whom they do not answer for.
-void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, gpu::PixelsParams params,
+void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, const gpu::PixelsParams& params,
                                     const FramePasses& passes, const Course& course) {
   const bool kept = params.keeps_still != 0;
   prepare_images(commands, kept, passes.pixel_list && !kept, course);
-  const auto compute = vk::PipelineBindPoint::eCompute;
-  const auto bind = [&](const KernelPipeline& kernel, std::uint32_t listed = DMVV_TO_EVALUATE) {
-    params.listed_kind = listed;
-    commands.bindPipeline(compute, *kernel.pipeline);
-    commands.bindDescriptorSets(compute, *kernel.layout, 0, {*scene_set, *frame->io_set}, nullptr);
-    commands.pushConstants<gpu::PixelsParams>(*kernel.layout, vk::ShaderStageFlagBits::eCompute, 0, params);
-  };
-  const auto bind_verdicts = [&](const KernelPipeline& kernel, std::uint32_t listed = DMVV_TO_EVALUATE) {
-    bind(kernel, listed);
-    commands.bindDescriptorSets(compute, *kernel.layout, 2, *verdicts->set(), nullptr);
-  };
-  const auto wait = [&](vk::AccessFlags more = {}, vk::PipelineStageFlags stages = {}) {
-    const vk::MemoryBarrier written{.srcAccessMask = Access::eShaderWrite,
-                                    .dstAccessMask = Access::eShaderRead | Access::eShaderWrite | more};
-    commands.pipelineBarrier(Stage::eComputeShader, Stage::eComputeShader | stages, {}, written, nullptr, nullptr);
-  };
-  const auto count = [&] {
-    wait();
-    bind(*count_groups);
-    commands.dispatch(1, 1, 1);
-    wait(Access::eIndirectCommandRead, Stage::eDrawIndirect);
-  };
-  const auto dispatch = [&](std::uint32_t listed) {
-    commands.dispatchIndirect(*frame->list.buffer, listed * sizeof(gpu::DispatchGroups));
-  };
-  const auto blocks = [](std::uint32_t px) { return (px + DMVV_PIXELS_BLOCK - 1) / DMVV_PIXELS_BLOCK; };
-  const std::uint32_t groups = blocks(params.width) * blocks(params.height), runs = groups * DMVV_PIXELS_BLOCK;
+  TileKernels kernels(commands, *frame, scene_set, params);
   const auto constants = kernel_constants(frame->wanted, passes);
-  const KernelPipeline& evaluates = pixels.at(constants);
-  if (!passes.pixel_list) {
-    bind(evaluates);
-    commands.dispatch(groups, 1, 1);
-    return;
-  }
-  course.classifies ? bind_verdicts(*classify) : bind(*list);
-  commands.dispatch((runs + DMVV_PIXELS_GROUP_SIZE - 1) / DMVV_PIXELS_GROUP_SIZE, 1, 1);
-  count();
-  if (course.classifies) {
-    bind_verdicts(paint.at(constants));
-    dispatch(DMVV_TO_PAINT);
-  }
+  if (!passes.pixel_list) return kernels.run(pixels.at(constants), kernels.blocks());
+
+  const Verdicts* proven = course.classifies ? &*verdicts : nullptr;
+  const std::uint32_t runs = kernels.blocks() * DMVV_PIXELS_BLOCK;
+  kernels.run(proven != nullptr ? *classify : *list, (runs + DMVV_PIXELS_GROUP_SIZE - 1) / DMVV_PIXELS_GROUP_SIZE, proven);
+  kernels.count(*count_groups);
+  if (proven != nullptr) kernels.run_over(DMVV_TO_PAINT, paint.at(constants), proven);
   if (course.leads) {
-    bind(leaders.at(constants), DMVV_LEADERS_OF_TILES);
-    dispatch(DMVV_LEADERS_OF_TILES);
-    wait();
-    bind(follow.at(constants));
-    dispatch(DMVV_TO_EVALUATE);
-    count();
+    kernels.run_over(DMVV_LEADERS_OF_TILES, leaders.at(constants));
+    kernels.wait();
+    kernels.run_over(DMVV_TO_EVALUATE, follow.at(constants));
+    kernels.count(*count_groups);
   }
   const std::uint32_t evaluated = course.leads ? DMVV_LEFT : DMVV_TO_EVALUATE;
-  bind(evaluates, evaluated);
-  dispatch(evaluated);
-  if (!course.classifies) return;
-  bind_verdicts(*count_hits, evaluated);
-  dispatch(evaluated);
-  if (!course.leads) return;
-  bind_verdicts(*count_hits, DMVV_LEADERS_OF_TILES);
-  dispatch(DMVV_LEADERS_OF_TILES);
+  kernels.run_over(evaluated, pixels.at(constants));
+  if (proven == nullptr) return;
+  kernels.run_over(evaluated, *count_hits, proven);
+  if (course.leads) kernels.run_over(DMVV_LEADERS_OF_TILES, *count_hits, proven);
 }
 
 /// The fastest of those that are possible. The leaders' kernel is made when frames without it have taken as long as it takes

@@ -13,7 +13,7 @@ namespace dmvv::runtime {
 /// the fastest. Pure: times are what it is told.
 class Trials {
  public:
-  static constexpr std::uint32_t first_hold = 32, longest_hold = 1024;  ///< frames
+  static constexpr std::uint32_t first_hold = 16, longest_hold = 1024;  ///< frames
   static constexpr std::size_t frames_a_way = 3;
 
   /// Until the first trial, `start` is the way.
