@@ -128,7 +128,9 @@ bool writes_code(const CompileOptions& options) {
 }
 
 IndexOptions index_options(const CompileOptions& options) {
-  return {enabled(options, "index"), writes_code(options) && enabled(options, "refine-index"), tells_reach(options) ? DMVV_CELL_MARGIN : 0.0};
+  return {.use = enabled(options, "index"),
+          .refine = writes_code(options) && enabled(options, "refine-index"),
+          .widened = tells_reach(options) ? DMVV_CELL_MARGIN : 0.0};
 }
 
 const std::vector<PassInfo>& pass_names() {

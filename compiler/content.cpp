@@ -92,8 +92,9 @@ LocalBox content_of(const voml::Grid& grid, double iso, TexelFormat format, Filt
   if (first.x > last.x) return nothing;
   const glm::dvec3 units_per_sample = (grid.box_hi - grid.box_lo) / glm::dvec3(grid.size);
   const glm::dvec3 around = 1.0 + sample_error(grid, glm::dvec3(0.0));
-  return intersection({grid.box_lo + (first + 0.5 - around) * units_per_sample, grid.box_lo + (last + 0.5 + around) * units_per_sample},
-                      cube);
+  const glm::dvec3 lo = grid.box_lo + (first + 0.5 - around) * units_per_sample;
+  const glm::dvec3 hi = grid.box_lo + (last + 0.5 + around) * units_per_sample;
+  return intersection({lo, hi}, cube);
 }
 
 /// Of the points that a placement takes into the box, those in the standard cube.
@@ -102,7 +103,9 @@ LocalBox placed(const LocalBox& box, const Affine& local_from_outer) {
   const Affine back = inverse(local_from_outer);
   const glm::dvec3 error = float_error(local_from_outer, glm::dvec3(1.0));
   const glm::dvec3 center = back(0.5 * (box.lo + box.hi)), half = 0.5 * (box.hi - box.lo) + error;
-  const glm::dvec3 reach = (glm::abs(back.linear[0]) * half.x + glm::abs(back.linear[1]) * half.y + glm::abs(back.linear[2]) * half.z) * (1.0 + 1e-9) + 1e-12;
+  const glm::dvec3 exact =
+      glm::abs(back.linear[0]) * half.x + glm::abs(back.linear[1]) * half.y + glm::abs(back.linear[2]) * half.z;
+  const glm::dvec3 reach = exact * (1.0 + 1e-9) + 1e-12;
   return intersection({center - reach, center + reach}, cube);
 }
 

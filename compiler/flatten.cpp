@@ -106,7 +106,8 @@ class Flattening {
     record.first_placement = static_cast<std::uint32_t>(out_.placements.size());
     record.first_number = group.first_number;
     for (const Candidate& candidate : group.candidates) {
-      out_.placements.push_back({rows(candidate.local_from_parent), candidate.object.index, candidate.tiled, packed_extent(at(module_.objects, candidate.object).content), 0});
+      const std::uint32_t extent = packed_extent(at(module_.objects, candidate.object).content);
+      out_.placements.push_back({rows(candidate.local_from_parent), candidate.object.index, candidate.tiled, extent, 0});
     }
     record.lookup = append_lookup();
     return record;

@@ -130,7 +130,8 @@ std::string trimmed(const Module& module) {
       for (const Candidate& candidate : group.candidates) add(at(module.objects, candidate.object).content, 1);
     }
   }
-  return cubes == 0 ? "nothing to do" : fmt::format("{:.0f} % of {} cubes are asked", 100.0 * left / static_cast<double>(cubes), cubes);
+  if (cubes == 0) return "nothing to do";
+  return fmt::format("{:.0f} % of {} cubes are asked", 100.0 * left / static_cast<double>(cubes), cubes);
 }
 
 std::string tapes_found(const Program& program) {

@@ -56,7 +56,8 @@ std::vector<snippet::Steepness> source_steepness(const Module& module, TexelForm
   std::vector<snippet::Steepness> of_grids, of_functions, of_sdfs;
   for (const voml::Grid& grid : module.grids) of_grids.push_back(grid_steepness(grid, format, filter));
   for (const Function& function : module.functions) {
-    of_functions.push_back(function.snippet.steepness({glm::dvec3(-1.0), glm::dvec3(1.0)}, {-Judge::longest_ms, Judge::longest_ms}));
+    of_functions.push_back(function.snippet.steepness({glm::dvec3(-1.0), glm::dvec3(1.0)},
+                                                      {-Judge::longest_ms, Judge::longest_ms}));
   }
   for (const Sdf& sdf : module.sdfs) {
     const auto* function = std::get_if<Id<Function>>(&sdf.source);

@@ -225,7 +225,9 @@ void Evaluator::Impl::make_views(const compiler::Program& program) {
 
 std::optional<Error> time_fault(double time_ms) {
   if (std::abs(time_ms) <= compiler::any_time_ms) return std::nullopt;
-  return Error{Fault::input, fmt::format("the time {} ms is out of range", time_ms), {fmt::format("use one between -{0} and {0} ms", compiler::any_time_ms)}};
+  return Error{Fault::input,
+               fmt::format("the time {} ms is out of range", time_ms),
+               {fmt::format("use one between -{0} and {0} ms", compiler::any_time_ms)}};
 }
 
 /// Every submission is waited for, so nothing reads the values while they change.

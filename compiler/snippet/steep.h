@@ -246,7 +246,8 @@ struct SteepDomain : IntegerIntervalOps {
     const Interval f = Range::f_pow(a.v, b.v), real = Exact::f_pow(a.v, b.v);
     if (!is_constant(b)) return unknown(f);
     const double margin = larger(real.lo - f.lo, f.hi - real.hi);
-    return chain(f, Exact::f_mul(b.v, Exact::f_pow(a.v, Exact::f_sub(b.v, one))), a, {0.0, larger(margin, 0.0) + size(f) * 0x1p-18});
+    const Interval slope = Exact::f_mul(b.v, Exact::f_pow(a.v, Exact::f_sub(b.v, one)));
+    return chain(f, slope, a, {0.0, larger(margin, 0.0) + size(f) * 0x1p-18});
   }
 
   // ---- trigonometry ----
