@@ -20,7 +20,8 @@ namespace dmvv::compiler {
 namespace {
 
 constexpr int halvings = 5;               // of each side: boxes are found to a 32nd of the cube's edge
-constexpr std::uint32_t most_tests = 192;  // of boxes, towards each face
+constexpr std::size_t most_tests = 192;    // of boxes, towards each face;
+constexpr std::size_t most_instructions = 400'000;  // of a large snippet in these
 constexpr LocalBox cube{};
 const LocalBox nothing{glm::dvec3(1.0), glm::dvec3(-1.0)};
 
@@ -34,7 +35,7 @@ LocalBox intersection(const LocalBox& a, const LocalBox& b) { return {glm::max(a
 /// How far the boxes that are not empty reach along an axis, to the positive side or the other; none if all are. The box that
 /// reaches farthest is halved first, and of such the smallest: if it is not empty, that is the end.
 template <class IsEmpty>
-std::optional<double> farthest(int axis, double sign, const IsEmpty& is_empty) {
+std::optional<double> farthest(int axis, double sign, std::size_t most, const IsEmpty& is_empty) {
   struct Part {
     snippet::Box box;
     int cut = 0;
@@ -45,11 +46,11 @@ std::optional<double> farthest(int axis, double sign, const IsEmpty& is_empty) {
   };
   std::priority_queue<Part, std::vector<Part>, decltype(nearer)> open(nearer);
   open.push({{cube.lo, cube.hi}});
-  for (std::uint32_t tests = 0; !open.empty(); ++tests) {
+  for (std::size_t tests = 0; !open.empty(); ++tests) {
     const Part part = open.top();
     open.pop();
-    if (tests < most_tests && is_empty(part.box)) continue;
-    if (tests >= most_tests || part.cut == 3 * halvings) return sign * reach(part);
+    if (tests < most && is_empty(part.box)) continue;
+    if (tests >= most || part.cut == 3 * halvings) return sign * reach(part);
     const int side = (axis + part.cut) % 3;
     Part low = part, high = part;
     low.cut = high.cut = part.cut + 1;
@@ -61,15 +62,17 @@ std::optional<double> farthest(int axis, double sign, const IsEmpty& is_empty) {
 }
 
 /// Where a function may be below iso.
-LocalBox content_of(const snippet::BoxFunction& function, double iso) {
+LocalBox content_of(const snippet::Snippet& snippet, double iso) {
+  const snippet::BoxFunction function(snippet, {-any_time_ms, any_time_ms});
+  const std::size_t most = std::min(most_tests, most_instructions / std::max<std::size_t>(snippet.instruction_count(), 1));
   const double slack = float_unit * std::abs(iso);
   const auto is_empty = [&](const snippet::Box& box) { return function(box).lo > iso + slack; };
   LocalBox content;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto hi = farthest(axis, 1.0, is_empty);
+    const auto hi = farthest(axis, 1.0, most, is_empty);
     if (!hi) return nothing;
     content.hi[axis] = *hi;
-    content.lo[axis] = farthest(axis, -1.0, is_empty).value_or(-1.0);
+    content.lo[axis] = farthest(axis, -1.0, most, is_empty).value_or(-1.0);
   }
   return content;
 }
@@ -151,7 +154,7 @@ void trim_cubes(Module& module, TexelFormat format, Filter filter) {
     const auto& [source, iso] = jobs[i]->first;
     const auto* function = std::get_if<Id<Function>>(&source);
     const LocalBox found =
-        function ? content_of(snippet::BoxFunction(at(module.functions, *function).snippet, {-any_time_ms, any_time_ms}), iso)
+        function ? content_of(at(module.functions, *function).snippet, iso)
                  : content_of(at(module.grids, std::get<Id<voml::Grid>>(source)), iso, format, filter);
     jobs[i]->second = is_nothing(found) ? cube : found;  // rare, and not worth a case of its own
   });
