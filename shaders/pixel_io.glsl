@@ -35,6 +35,8 @@ uvec2 block_corner(uint block) {
   return uvec2(block % blocks_x, block / blocks_x) * DMVV_PIXELS_BLOCK;
 }
 
+bool is_in_picture(uvec2 pixel) { return pixel.x < params.width && pixel.y < params.height; }
+
 // The pixel of this invocation; false: there is none.
 bool find_pixel(out uvec2 pixel) {
   uint i = gl_GlobalInvocationID.x;
@@ -45,7 +47,7 @@ bool find_pixel(out uvec2 pixel) {
   }
   uint within = i % DMVV_PIXELS_GROUP_SIZE;
   pixel = block_corner(i / DMVV_PIXELS_GROUP_SIZE) + uvec2(within % DMVV_PIXELS_BLOCK, within / DMVV_PIXELS_BLOCK);
-  return pixel.x < params.width && pixel.y < params.height;
+  return is_in_picture(pixel);
 }
 
 // The point of root coordinates that a surface texel stands for.

@@ -9,8 +9,6 @@ uvec2 first_of_run() {
   return block_corner(i / DMVV_RUN) + uvec2(0u, i % DMVV_RUN);
 }
 
-bool is_in_picture(uvec2 pixel) { return pixel.x < params.width && pixel.y < params.height; }
-
 // Makes room for `count` entries of each invocation: the slot of its first one.
 uint reserve(uint kind, uint count) {
   uint before = subgroupExclusiveAdd(count), sum = subgroupAdd(count), first = 0u;
