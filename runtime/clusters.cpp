@@ -12,10 +12,9 @@
 namespace dmvv::runtime {
 namespace {
 
-constexpr std::uint32_t triangles_of_cluster = 128;
 constexpr std::uint32_t cells_per_side = 64;
 constexpr double rounding = 1e-5;        // of what shaders and rasterisers compute, against the sizes of a scene
-constexpr double grazing_cosine = 0.05;  // triangles nearer to edge-on may turn when their corners move to the subpixel grid
+constexpr double grazing_cosine = 0.05;  // triangles nearer to edge-on may turn by rounding
 
 struct Triangle {
   std::array<glm::dvec3, 3> corners;
@@ -156,20 +155,6 @@ Place place_of(const Cluster& cluster, const Shot& shot, std::span<const glm::dv
           .beyond_cap = raster.front_count != 0 ? left_by_front : !left};
 }
 
-/// With neighbours of the same kind as one call.
-std::vector<DrawCall> joined(std::span<const DrawCall> calls) {
-  std::vector<DrawCall> joined;
-  for (const DrawCall& call : calls) {
-    if (!joined.empty() && joined.back().kind == call.kind &&
-        joined.back().indices.first + joined.back().indices.count == call.indices.first) {
-      joined.back().indices.count += call.indices.count;
-    } else {
-      joined.push_back(call);
-    }
-  }
-  return joined;
-}
-
 }  // namespace
 
 std::vector<Cluster> make_clusters(Surface& surface, const std::vector<bool>& outward) {
@@ -185,18 +170,6 @@ std::vector<Cluster> make_clusters(Surface& surface, const std::vector<bool>& ou
   return clusters;
 }
 
-std::vector<Cluster> joined(std::span<const Cluster> clusters) {
-  std::vector<Cluster> few;
-  for (const Cluster& cluster : clusters) {
-    if (few.empty() || few.back().has_seen_backs != cluster.has_seen_backs) {
-      few.push_back({.indices = {cluster.indices.first, 0}, .has_seen_backs = cluster.has_seen_backs});
-      few.back().radius = std::numeric_limits<double>::infinity();
-    }
-    few.back().indices.count += cluster.indices.count;
-  }
-  return few;
-}
-
 std::vector<DrawCall> plan_draw(std::span<const Cluster> clusters, const Shot& shot, const Tile& tile,
                                 bool shows_all_backs) {
   const std::array sides = tile_sides(shot.raster, tile);
@@ -205,15 +178,23 @@ std::vector<DrawCall> plan_draw(std::span<const Cluster> clusters, const Shot& s
     const Place place = place_of(cluster, shot, sides);
     const bool shows_backs = shows_all_backs || cluster.has_seen_backs;
     if (!place.in_view) continue;
-    if (place.left != Side::out && (shows_backs || !place.turned_away)) {
-      calls.push_back({{.counts = false, .is_cut = place.left == Side::both, .shows_backs = shows_backs}, cluster.indices});
-    }
-    if (shot.has_caps && place.beyond_cap != Side::out) {
-      calls.push_back({{.counts = true, .is_cut = place.beyond_cap == Side::both, .shows_backs = true}, cluster.indices});
-    }
+    const bool is_seen = place.left != Side::out && (shows_backs || !place.turned_away);
+    const bool counts = shot.has_caps && place.beyond_cap != Side::out;
+    if (!is_seen && !counts) continue;
+    const bool is_cut = (is_seen && place.left == Side::both) || (counts && place.beyond_cap == Side::both) ||
+                        (is_seen && counts && place.left != place.beyond_cap);
+    calls.push_back({{is_seen, counts, is_cut, shows_backs}, cluster.indices});
   }
-  std::ranges::stable_sort(calls, {}, &DrawCall::kind);
-  return joined(calls);
+  return calls;
+}
+
+std::vector<DrawCall> plan_whole(std::span<const Cluster> clusters, const Shot& shot, bool shows_all_backs) {
+  const bool is_cut = shot.raster.cut_count != 0;
+  std::vector<DrawCall> calls;
+  for (const Cluster& cluster : clusters) {
+    calls.push_back({{true, shot.has_caps, is_cut, shows_all_backs || cluster.has_seen_backs}, cluster.indices});
+  }
+  return calls;
 }
 
 }  // namespace dmvv::runtime

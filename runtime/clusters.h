@@ -25,9 +25,11 @@ struct IndexRange {
   friend bool operator==(const IndexRange&, const IndexRange&) = default;
 };
 
+inline constexpr std::uint32_t triangles_of_cluster = DMVV_RUN_TRIANGLES;
+
 /// Triangles that lie together: all in a ball, their normals in a cone.
 struct Cluster {
-  IndexRange indices;
+  IndexRange indices;  ///< of triangles_of_cluster triangles at most
   bool has_seen_backs = true;  ///< an eye outside of the mesh may see the backs of its triangles; else they are not drawn
   glm::dvec3 center{0.0};
   double radius = 0.0;
@@ -40,14 +42,12 @@ struct Cluster {
 /// `outward` says of each triangle that its back cannot be seen. Cost: linear.
 std::vector<Cluster> make_clusters(Surface& surface, const std::vector<bool>& outward);
 
-/// As few clusters as say of the same triangles whose backs may be seen, and nothing else.
-std::vector<Cluster> joined(std::span<const Cluster> clusters);
-
-/// How a draw call differs from the others.
+/// What is done with a cluster's triangles.
 struct DrawKind {
-  bool counts = false;       ///< for the caps; else it draws the surface
-  bool is_cut = false;       ///< each pixel is tested; else the cuts leave all of it
-  bool shows_backs = false;  ///< always, where it counts
+  bool is_seen = false;      ///< they may be seen
+  bool counts = false;       ///< they are shells for the caps, whichever side they show
+  bool is_cut = false;       ///< each pixel is tested; else the cuts leave all of it, and all of it counts
+  bool shows_backs = false;  ///< where they are seen
   friend auto operator<=>(const DrawKind&, const DrawKind&) = default;
 };
 
@@ -56,10 +56,12 @@ struct DrawCall {
   IndexRange indices;
 };
 
-/// What has to be drawn, the calls of a kind together, surface first. Left out are the clusters that no pixel of the tile
-/// shows: beside the picture, cut away and, unless all backs are shown, turned away from the eye. Cost: linear in clusters
-/// times cuts.
+/// What has to be drawn. Left out are the clusters that no pixel of the tile shows: beside the picture, cut away and, unless
+/// all backs are shown, turned away from the eye. Cost: linear in clusters times cuts.
 std::vector<DrawCall> plan_draw(std::span<const Cluster> clusters, const Shot& shot, const Tile& tile,
                                 bool shows_all_backs);
+
+/// All clusters, and each pixel of them tested.
+std::vector<DrawCall> plan_whole(std::span<const Cluster> clusters, const Shot& shot, bool shows_all_backs);
 
 }  // namespace dmvv::runtime

@@ -126,11 +126,10 @@ DeviceInfo describe(const vk::raii::PhysicalDevice& physical) {
               has_two_word_texels(physical) ? properties.limits.maxTexelBufferElements : 0};
 }
 
-std::optional<std::uint32_t> drawing_queue_family(const vk::raii::PhysicalDevice& physical) {
-  constexpr auto needed = vk::QueueFlagBits::eGraphics | vk::QueueFlagBits::eCompute;
+std::optional<std::uint32_t> compute_queue_family(const vk::raii::PhysicalDevice& physical) {
   const auto families = physical.getQueueFamilyProperties();
   for (std::uint32_t i = 0; i < families.size(); ++i) {
-    if ((families[i].queueFlags & needed) == needed) return i;
+    if (families[i].queueFlags & vk::QueueFlagBits::eCompute) return i;
   }
   return std::nullopt;
 }
@@ -143,6 +142,13 @@ bool has_subgroups(const vk::raii::PhysicalDevice& physical) {
   constexpr auto needed = Feature::eBasic | Feature::eArithmetic | Feature::eBallot;
   return (subgroups.supportedOperations & needed) == needed &&
          (subgroups.supportedStages & vk::ShaderStageFlagBits::eCompute);
+}
+
+/// The nearest triangle of a pixel is found by an atomic minimum (shaders/triangle.glsl).
+bool has_long_atomics(const vk::raii::PhysicalDevice& physical) {
+  const auto chain = physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>();
+  return chain.get<vk::PhysicalDeviceFeatures2>().features.shaderInt64 &&
+         chain.get<vk::PhysicalDeviceVulkan12Features>().shaderBufferInt64Atomics;
 }
 
 struct Choice {
@@ -164,7 +170,7 @@ std::vector<Choice> usable_devices(const vk::raii::Instance& instance) {
   std::vector<Choice> choices;
   for (auto& physical : all_devices(instance)) {
     const bool is_new_enough = physical.getProperties().apiVersion >= VK_API_VERSION_1_2;
-    if (!is_new_enough || !drawing_queue_family(physical) || !has_subgroups(physical)) continue;
+    if (!is_new_enough || !compute_queue_family(physical) || !has_subgroups(physical) || !has_long_atomics(physical)) continue;
     DeviceInfo info = describe(physical);
     choices.push_back({std::move(physical), std::move(info)});
   }
@@ -179,7 +185,7 @@ std::string lower_case(std::string_view text) {
 }
 
 Result<Choice> choose(std::vector<Choice> choices, const std::string& name) {
-  if (choices.empty()) return no_driver("no installed driver offers a device with Vulkan 1.2, a drawing queue and subgroup arithmetic");
+  if (choices.empty()) return no_driver("no installed driver offers a device with Vulkan 1.2, a compute queue, subgroup arithmetic and 64-bit atomics");
   const auto chosen = std::ranges::find_if(choices, [wanted = lower_case(name)](const Choice& choice) {
     return lower_case(choice.info.name).find(wanted) != std::string::npos;
   });
@@ -191,12 +197,14 @@ Result<Choice> choose(std::vector<Choice> choices, const std::string& name) {
 }
 
 void open_queue(Device::Impl& impl) {
-  const std::uint32_t family = drawing_queue_family(impl.physical).value();
+  const std::uint32_t family = compute_queue_family(impl.physical).value();
   const float priority = 1.0f;
   const vk::DeviceQueueCreateInfo queue{.queueFamilyIndex = family, .queueCount = 1, .pQueuePriorities = &priority};
-  const vk::PhysicalDeviceFeatures features{.shaderStorageImageExtendedFormats = has_two_word_texels(impl.physical)};
+  const vk::PhysicalDeviceVulkan12Features newer{.shaderBufferInt64Atomics = true};
+  const vk::PhysicalDeviceFeatures features{.shaderStorageImageExtendedFormats = has_two_word_texels(impl.physical),
+                                            .shaderInt64 = true};
   impl.device = vk::raii::Device(
-      impl.physical, {.queueCreateInfoCount = 1, .pQueueCreateInfos = &queue, .pEnabledFeatures = &features});
+      impl.physical, {.pNext = &newer, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue, .pEnabledFeatures = &features});
   impl.queue = impl.device.getQueue(family, 0);
   impl.pool =
       impl.device.createCommandPool({.flags = vk::CommandPoolCreateFlagBits::eTransient, .queueFamilyIndex = family});
@@ -242,8 +250,8 @@ class TemporaryFolder {
   std::string path_;
 };
 
-/// The driver finds an empty cache, this device's own. Without any, lavapipe would compile its vertex shaders anew for
-/// every frame (some 25 ms). Drivers read these when the instance is made; there is no call for it.
+/// The driver finds an empty cache, this device's own. Drivers read these when the instance is made; there is no call for
+/// it.
 void empty_driver_cache() {
   static std::mutex mutex;
   static std::deque<TemporaryFolder> folders;  // they go with the process: a driver may write to the end

@@ -174,11 +174,8 @@ GpuBuffer upload_buffer(const Device::Impl& gpu, const void* bytes, std::size_t 
   const GpuBuffer staging = staging_buffer(gpu, bytes, size);
   gpu.run([&](const vk::raii::CommandBuffer& commands) {
     commands.copyBuffer(*staging.buffer, *made.buffer, vk::BufferCopy{0, 0, size});
-    const vk::MemoryBarrier visible{
-        .srcAccessMask = Access::eTransferWrite,
-        .dstAccessMask = Access::eShaderRead | Access::eVertexAttributeRead | Access::eIndexRead};
-    commands.pipelineBarrier(Stage::eTransfer, Stage::eVertexInput | Stage::eComputeShader, {}, visible, nullptr,
-                             nullptr);
+    const vk::MemoryBarrier visible{.srcAccessMask = Access::eTransferWrite, .dstAccessMask = Access::eShaderRead};
+    commands.pipelineBarrier(Stage::eTransfer, Stage::eComputeShader, {}, visible, nullptr, nullptr);
   });
   return made;
 }

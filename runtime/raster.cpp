@@ -1,100 +1,44 @@
-// The raster passes: the surface that the cuts leave, then the caps.
+// The raster kernels: the nearest triangle of each pixel, then its surface or a cap.
+//
+// Support meshes are fine, of some two pixels a triangle, and made of as many triangles as a frame has pixels or more. For
+// those compute shaders are faster than the fixed pipeline of a GPU (Karis, Stubbe and Wihlidal 2021, Nanite), and by far
+// than lavapipe's, which shades vertices and sets triangles up in one thread.
 //
 // A cap is drawn where the solid is inside at the point where a pixel's ray comes into the part that all cuts leave.
 // Counting tells: of the mesh's fragments beyond that point, those that leave the solid minus those that enter it are
-// the shells around the point, whatever the mesh's shape (Crow 1977, shadow volumes; stencil counting as in Heidmann
-// 1991). One counting pass serves all cuts, since the kept part is convex and every ray enters it once.
-//
-// Where the eye is removed, all that stays lies behind the caps; where it is left, all that stays lies before them. So a
-// cap needs no depth of its own.
+// the shells around the point, whatever the mesh's shape (Crow 1977, shadow volumes). One counting serves all cuts, since the
+// kept part is convex and every ray enters it once.
 #include "runtime/raster.h"
 
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <glm/packing.hpp>
 #include <limits>
 #include <utility>
 
-#include "spirv/cap_frag.h"
-#include "spirv/screen_vert.h"
-#include "spirv/surface_frag.h"
-#include "spirv/surface_vert.h"
+#include "runtime/pipeline_cache.h"
+#include "spirv/raster_parts_comp.h"
+#include "spirv/raster_surface_comp.h"
+#include "spirv/raster_triangles_comp.h"
 
 namespace dmvv::runtime {
 namespace {
 
-constexpr std::uint32_t most_compiled_cuts = 4;  // from here on, shaders are made for any number
-constexpr float smallest_depth = 1.0f / (1 << 24);  // that every format tells from 0
+constexpr std::uint32_t most_compiled_cuts = 3;  // beyond, kernels are made for any number
+constexpr std::uint32_t any_cuts = 0xffffffffu;
+constexpr std::uint32_t most_groups = 65535;  // every device has so many along an axis
+constexpr vk::DeviceSize part_header_bytes = 16, part_bytes = 8;  // shaders/parts.glsl
 
 using Access = vk::AccessFlagBits;
+using Layout = vk::ImageLayout;
 using Stage = vk::PipelineStageFlagBits;
+using Usage = vk::BufferUsageFlagBits;
 
-/// One of the two is offered by every device.
-vk::Format choose_depth_format(const vk::raii::PhysicalDevice& physical) {
-  for (const vk::Format format : {vk::Format::eD32SfloatS8Uint, vk::Format::eD24UnormS8Uint}) {
-    const auto features = physical.getFormatProperties(format).optimalTilingFeatures;
-    if (features & vk::FormatFeatureFlagBits::eDepthStencilAttachment) return format;
-  }
-  throw vk::FormatNotSupportedError("no format for depth and stencil");
-}
-
-vk::raii::RenderPass make_pass(const vk::raii::Device& device, vk::Format depth_format) {
-  const auto color = [](vk::Format format) {
-    return vk::AttachmentDescription{.format = format,
-                                     .samples = vk::SampleCountFlagBits::e1,
-                                     .loadOp = vk::AttachmentLoadOp::eClear,
-                                     .storeOp = vk::AttachmentStoreOp::eStore,
-                                     .initialLayout = vk::ImageLayout::eUndefined,
-                                     .finalLayout = vk::ImageLayout::eGeneral};
-  };
-  const vk::AttachmentDescription depth{.format = depth_format,
-                                        .samples = vk::SampleCountFlagBits::e1,
-                                        .loadOp = vk::AttachmentLoadOp::eClear,
-                                        .storeOp = vk::AttachmentStoreOp::eDontCare,
-                                        .stencilLoadOp = vk::AttachmentLoadOp::eClear,
-                                        .stencilStoreOp = vk::AttachmentStoreOp::eDontCare,
-                                        .initialLayout = vk::ImageLayout::eUndefined,
-                                        .finalLayout = vk::ImageLayout::eDepthStencilAttachmentOptimal};
-  const std::array attachments{color(surface_format), depth};
-  const vk::AttachmentReference color_reference{0, vk::ImageLayout::eColorAttachmentOptimal};
-  const vk::AttachmentReference depth_reference{1, vk::ImageLayout::eDepthStencilAttachmentOptimal};
-  const vk::SubpassDescription subpass{.pipelineBindPoint = vk::PipelineBindPoint::eGraphics,
-                                       .colorAttachmentCount = 1,
-                                       .pColorAttachments = &color_reference,
-                                       .pDepthStencilAttachment = &depth_reference};
-  constexpr auto depth_tests = Stage::eEarlyFragmentTests | Stage::eLateFragmentTests;
-  const std::array dependencies{
-      vk::SubpassDependency{
-          .srcSubpass = VK_SUBPASS_EXTERNAL,
-          .dstSubpass = 0,
-          .srcStageMask = Stage::eComputeShader | Stage::eTransfer | Stage::eColorAttachmentOutput | depth_tests,
-          .dstStageMask = Stage::eColorAttachmentOutput | depth_tests,
-          .srcAccessMask = Access::eColorAttachmentWrite | Access::eDepthStencilAttachmentWrite,
-          .dstAccessMask = Access::eColorAttachmentWrite | Access::eDepthStencilAttachmentRead |
-                           Access::eDepthStencilAttachmentWrite},
-      vk::SubpassDependency{.srcSubpass = 0,
-                            .dstSubpass = VK_SUBPASS_EXTERNAL,
-                            .srcStageMask = Stage::eColorAttachmentOutput,
-                            .dstStageMask = Stage::eComputeShader | Stage::eTransfer,
-                            .srcAccessMask = Access::eColorAttachmentWrite,
-                            .dstAccessMask = Access::eShaderRead | Access::eTransferRead}};
-  return device.createRenderPass({.attachmentCount = attachments.size(),
-                                  .pAttachments = attachments.data(),
-                                  .subpassCount = 1,
-                                  .pSubpasses = &subpass,
-                                  .dependencyCount = dependencies.size(),
-                                  .pDependencies = dependencies.data()});
-}
-
-vk::StencilOpState stencil(vk::CompareOp compare, vk::StencilOp pass) {
-  return {.failOp = vk::StencilOp::eKeep,
-          .passOp = pass,
-          .depthFailOp = vk::StencilOp::eKeep,
-          .compareOp = compare,
-          .compareMask = 0xff,
-          .writeMask = 0xff,
-          .reference = 0};
-}
+constexpr std::array<vk::DescriptorType, DMVV_RASTER_BINDINGS> bindings{
+    vk::DescriptorType::eUniformBuffer,      vk::DescriptorType::eStorageTexelBuffer, vk::DescriptorType::eStorageTexelBuffer,
+    vk::DescriptorType::eStorageBuffer,      vk::DescriptorType::eStorageBuffer,      vk::DescriptorType::eStorageBuffer,
+    vk::DescriptorType::eStorageBuffer,      vk::DescriptorType::eStorageImage};
 
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
@@ -105,131 +49,62 @@ bool same_mesh(const voml::Mesh& a, const voml::Mesh& b) {
   return same_bits(a.positions, b.positions) && same_bits(a.triangles, b.triangles);
 }
 
-}  // namespace
-
-/// In what the pipelines differ.
-struct Rasteriser::PipelineState {
-  const vk::raii::ShaderModule& vertex;
-  const vk::raii::ShaderModule& fragment;
-  DrawKind kind;           ///< what counts writes into the stencil, nothing else
-  std::uint32_t cuts = 0;  ///< as they are compiled in (shaders/cuts.glsl)
-  bool is_cap = false;     ///< where the stencil has counted something
-};
-
-vk::raii::Pipeline Rasteriser::make_pipeline(const PipelineState& state) const {
-  const bool counts = state.kind.counts;
-  const std::array<std::uint32_t, 3> values{state.cuts, state.kind.is_cut, counts};
-  std::array<vk::SpecializationMapEntry, values.size()> entries;
-  for (std::uint32_t i = 0; i < entries.size(); ++i) entries[i] = vk::SpecializationMapEntry{i, 4 * i, 4};
-  const vk::SpecializationInfo constants{entries.size(), entries.data(), sizeof values, values.data()};
-  const std::array stages{
-      vk::PipelineShaderStageCreateInfo{
-          .stage = vk::ShaderStageFlagBits::eVertex, .module = *state.vertex, .pName = "main"},
-      vk::PipelineShaderStageCreateInfo{.stage = vk::ShaderStageFlagBits::eFragment,
-                                        .module = *state.fragment,
-                                        .pName = "main",
-                                        .pSpecializationInfo = &constants}};
-
-  const vk::VertexInputBindingDescription binding{0, sizeof(SurfaceVertex), vk::VertexInputRate::eVertex};
-  const std::array attributes{
-      vk::VertexInputAttributeDescription{0, 0, vk::Format::eR32G32B32Sfloat, offsetof(SurfaceVertex, position)},
-      vk::VertexInputAttributeDescription{1, 0, vk::Format::eR32G32B32Sfloat, offsetof(SurfaceVertex, normal)}};
-  vk::PipelineVertexInputStateCreateInfo input;
-  if (!state.is_cap) input.setVertexBindingDescriptions(binding).setVertexAttributeDescriptions(attributes);
-  const vk::PipelineInputAssemblyStateCreateInfo assembly{.topology = vk::PrimitiveTopology::eTriangleList};
-  const vk::PipelineViewportStateCreateInfo viewport{.viewportCount = 1, .scissorCount = 1};
-  const vk::PipelineRasterizationStateCreateInfo rasterization{
-      .cullMode = state.kind.shows_backs ? vk::CullModeFlagBits::eNone : vk::CullModeFlagBits::eBack,
-      .frontFace = vk::FrontFace::eCounterClockwise,
-      .lineWidth = 1.0f};
-  const vk::PipelineMultisampleStateCreateInfo multisample{.rasterizationSamples = vk::SampleCountFlagBits::e1};
-
-  using Compare = vk::CompareOp;
-  using Op = vk::StencilOp;
-  const vk::PipelineDepthStencilStateCreateInfo depth_stencil{
-      .depthTestEnable = !counts,
-      .depthWriteEnable = !counts,
-      .depthCompareOp = Compare::eGreater,
-      .stencilTestEnable = counts || state.is_cap,
-      .front = counts ? stencil(Compare::eAlways, Op::eDecrementAndWrap) : stencil(Compare::eNotEqual, Op::eKeep),
-      .back = counts ? stencil(Compare::eAlways, Op::eIncrementAndWrap) : stencil(Compare::eNotEqual, Op::eKeep)};
-
-  using Component = vk::ColorComponentFlagBits;
-  const auto written = Component::eR | Component::eG | Component::eB | Component::eA;
-  const vk::PipelineColorBlendAttachmentState color{.colorWriteMask =
-                                                        counts ? vk::ColorComponentFlags{} : written};
-  const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = 1, .pAttachments = &color};
-  const std::array dynamic_states{vk::DynamicState::eViewport, vk::DynamicState::eScissor};
-  const vk::PipelineDynamicStateCreateInfo dynamic{.dynamicStateCount = dynamic_states.size(),
-                                                   .pDynamicStates = dynamic_states.data()};
-  return gpu_.device.createGraphicsPipeline(nullptr, {.stageCount = stages.size(),
-                                                      .pStages = stages.data(),
-                                                      .pVertexInputState = &input,
-                                                      .pInputAssemblyState = &assembly,
-                                                      .pViewportState = &viewport,
-                                                      .pRasterizationState = &rasterization,
-                                                      .pMultisampleState = &multisample,
-                                                      .pDepthStencilState = &depth_stencil,
-                                                      .pColorBlendState = &blend,
-                                                      .pDynamicState = &dynamic,
-                                                      .layout = *layout_,
-                                                      .renderPass = *pass_});
+/// A vertex as the kernels read it: shaders/surface.glsl folds normals likewise.
+glm::uvec4 vertex_texel(const SurfaceVertex& vertex) {
+  const glm::vec3& n = vertex.normal;
+  const float length = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
+  glm::vec2 folded = length > 0.0f ? glm::vec2(n) / length : glm::vec2(0.0f);
+  if (n.z < 0.0f) {
+    folded = (1.0f - glm::abs(glm::vec2(folded.y, folded.x))) *
+             glm::vec2(folded.x >= 0.0f ? 1.0f : -1.0f, folded.y >= 0.0f ? 1.0f : -1.0f);
+  }
+  return {glm::floatBitsToUint(vertex.position), glm::packSnorm2x16(folded)};
 }
 
-Rasteriser::Rasteriser(const Device::Impl& gpu)
-    : gpu_(gpu),
-      depth_format_(choose_depth_format(gpu.physical)),
-      pass_(make_pass(gpu.device, depth_format_)),
-      surface_vertex_(gpu.make_shader(surface_vert, std::size(surface_vert))),
-      surface_fragment_(gpu.make_shader(surface_frag, std::size(surface_frag))),
-      cap_vertex_(gpu.make_shader(screen_vert, std::size(screen_vert))),
-      cap_fragment_(gpu.make_shader(cap_frag, std::size(cap_frag))) {
-  const vk::raii::Device& device = gpu_.device;
-  const vk::DescriptorSetLayoutBinding binding{
-      .binding = 0,
-      .descriptorType = vk::DescriptorType::eUniformBuffer,
-      .descriptorCount = 1,
-      .stageFlags = vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment};
-  set_layout_ = device.createDescriptorSetLayout({.bindingCount = 1, .pBindings = &binding});
-  const vk::DescriptorSetLayout set_layout = *set_layout_;
-  layout_ = device.createPipelineLayout({.setLayoutCount = 1, .pSetLayouts = &set_layout});
+std::optional<Error> size_fault(const Device::Impl& gpu, const Surface& surface) {
+  const std::size_t most = std::min<std::size_t>(gpu.limits.maxTexelBufferElements, 3 * std::size_t{DMVV_DRAWN_TRIANGLE});
+  if (surface.indices.size() <= most) return std::nullopt;
+  return Error{Fault::input,
+               fmt::format("the support mesh has {} triangles; '{}' can draw {}", surface.indices.size() / 3, gpu.info.name, most / 3),
+               {"use a coarser mesh: boundaries within it stay as sharp"}};
+}
 
-  params_ = gpu_.make_buffer(sizeof(gpu::RasterParams), vk::BufferUsageFlagBits::eUniformBuffer, MemoryUse::upload);
-  const vk::DescriptorPoolSize pool_size{vk::DescriptorType::eUniformBuffer, 1};
-  descriptor_pool_ = device.createDescriptorPool({.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet,
-                                                  .maxSets = 1,
-                                                  .poolSizeCount = 1,
-                                                  .pPoolSizes = &pool_size});
-  set_ = std::move(device.allocateDescriptorSets(
-      {.descriptorPool = *descriptor_pool_, .descriptorSetCount = 1, .pSetLayouts = &set_layout})[0]);
-  const vk::DescriptorBufferInfo info{*params_.buffer, 0, VK_WHOLE_SIZE};
-  device.updateDescriptorSets(vk::WriteDescriptorSet{.dstSet = *set_,
-                                                     .dstBinding = 0,
-                                                     .descriptorCount = 1,
-                                                     .descriptorType = vk::DescriptorType::eUniformBuffer,
-                                                     .pBufferInfo = &info},
-                              nullptr);
+void wait(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlags before, vk::AccessFlags written, vk::PipelineStageFlags after,
+          vk::AccessFlags used) {
+  commands.pipelineBarrier(before, after, {}, vk::MemoryBarrier{.srcAccessMask = written, .dstAccessMask = used}, nullptr, nullptr);
+}
+
+}  // namespace
+
+Rasteriser::Rasteriser(const Device::Impl& gpu) : gpu_(gpu) {
+  std::array<vk::DescriptorSetLayoutBinding, bindings.size()> of_set;
+  for (std::uint32_t i = 0; i < bindings.size(); ++i) {
+    of_set[i] = {.binding = i, .descriptorType = bindings[i], .descriptorCount = 1, .stageFlags = vk::ShaderStageFlagBits::eCompute};
+  }
+  set_layout_ = gpu_.device.createDescriptorSetLayout(vk::DescriptorSetLayoutCreateInfo{}.setBindings(of_set));
+  layout_ = gpu_.device.createPipelineLayout(vk::PipelineLayoutCreateInfo{}.setSetLayouts(*set_layout_));
+  params_ = gpu_.make_buffer(sizeof(gpu::RasterParams), Usage::eUniformBuffer, MemoryUse::upload);
+  parts_ = gpu_.make_buffer(part_header_bytes + part_bytes * DMVV_MOST_PARTS,
+                            Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst, MemoryUse::device);
+  part_count_ = gpu_.make_buffer(sizeof(std::uint32_t), Usage::eTransferDst, MemoryUse::readback);
 }
 
 Targets Rasteriser::make_targets(vk::Extent2D extent) const {
-  using Usage = vk::ImageUsageFlagBits;
-  using Aspect = vk::ImageAspectFlagBits;
-  constexpr auto type = vk::ImageType::e2D;
-  const vk::Extent3D size{extent.width, extent.height, 1};
+  using ImageUsage = vk::ImageUsageFlagBits;
+  const vk::DeviceSize pixels = vk::DeviceSize{extent.width} * extent.height;
   Targets targets;
   targets.extent = extent;
-  targets.surface =
-      gpu_.make_image(type, surface_format, size,
-                      Usage::eColorAttachment | Usage::eStorage | Usage::eTransferSrc | Usage::eTransferDst);
-  targets.depth_stencil =
-      gpu_.make_image(type, depth_format_, size, Usage::eDepthStencilAttachment, Aspect::eDepth | Aspect::eStencil);
-  const std::array views{*targets.surface.view, *targets.depth_stencil.view};
-  targets.framebuffer = gpu_.device.createFramebuffer({.renderPass = *pass_,
-                                                       .attachmentCount = views.size(),
-                                                       .pAttachments = views.data(),
-                                                       .width = extent.width,
-                                                       .height = extent.height,
-                                                       .layers = 1});
+  targets.surface = gpu_.make_image(vk::ImageType::e2D, vk::Format::eR32G32B32A32Uint, {extent.width, extent.height, 1},
+                                    ImageUsage::eStorage | ImageUsage::eTransferSrc | ImageUsage::eTransferDst);
+  targets.nearest = gpu_.make_buffer(8 * pixels, Usage::eStorageBuffer | Usage::eTransferDst, MemoryUse::device);
+  targets.shells = gpu_.make_buffer(4 * pixels, Usage::eStorageBuffer | Usage::eTransferDst, MemoryUse::device);
+  std::vector<vk::DescriptorPoolSize> sizes;
+  for (const vk::DescriptorType type : bindings) sizes.push_back({type, 1});
+  targets.pool = gpu_.device.createDescriptorPool(
+      vk::DescriptorPoolCreateInfo{.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, .maxSets = 1}.setPoolSizes(sizes));
+  const vk::DescriptorSetLayout set_layout = *set_layout_;
+  targets.set = std::move(
+      gpu_.device.allocateDescriptorSets({.descriptorPool = *targets.pool, .descriptorSetCount = 1, .pSetLayouts = &set_layout})[0]);
   return targets;
 }
 
@@ -237,101 +112,119 @@ Result<void> Rasteriser::set_mesh(const voml::Mesh& mesh) {
   if (mesh_ && same_mesh(*mesh_, mesh)) return {};
   auto surface = make_surface(mesh);
   if (!surface) return tl::unexpected(std::move(surface.error()));
+  if (auto fault = size_fault(gpu_, *surface)) return tl::unexpected(std::move(*fault));
   open_edges_ = voml::count_open_edges(mesh);
   clusters_ = make_clusters(*surface, open_edges_ == 0 ? voml::outward_triangles(mesh)
                                                        : std::vector<bool>(mesh.triangles.size(), false));
-  whole_ = joined(clusters_);
+  std::vector<glm::uvec4> vertices(surface->vertices.size());
+  std::ranges::transform(surface->vertices, vertices.begin(), vertex_texel);
   mesh_.reset();  // a failure below must not leave the old mesh's name on the new one's buffers
-  vertices_ = upload_buffer(gpu_, surface->vertices.data(), surface->vertices.size() * sizeof(SurfaceVertex),
-                            vk::BufferUsageFlagBits::eVertexBuffer);
-  indices_ = upload_buffer(gpu_, surface->indices.data(), surface->indices.size() * sizeof(std::uint32_t),
-                           vk::BufferUsageFlagBits::eIndexBuffer);
+  const auto upload = [&](const auto& texels, GpuBuffer& buffer, vk::raii::BufferView& view, vk::Format format) {
+    view = nullptr;
+    buffer = upload_buffer(gpu_, texels.data(), texels.size() * sizeof texels[0], Usage::eStorageTexelBuffer);
+    view = gpu_.device.createBufferView({.buffer = *buffer.buffer, .format = format, .range = VK_WHOLE_SIZE});
+  };
+  upload(vertices, vertices_, vertex_texels_, vk::Format::eR32G32B32A32Uint);
+  upload(surface->indices, indices_, index_texels_, vk::Format::eR32Uint);
+  runs_ = gpu_.make_buffer(clusters_.size() * sizeof(gpu::TriangleRun), Usage::eStorageBuffer, MemoryUse::upload);
   bounds_ = surface->bounds;
   mesh_ = mesh;
   ++mesh_serial_;
   return {};
 }
 
-Rasteriser::Pipelines Rasteriser::make_pipelines(std::uint32_t cut_count) const {
-  const std::uint32_t cuts = cut_count < most_compiled_cuts ? cut_count : 0;
-  Pipelines made;
-  const auto make = [&](DrawKind kind) {
-    made.surfaces.emplace(kind, make_pipeline({surface_vertex_, surface_fragment_, kind, cuts, false}));
-  };
-  for (const bool is_cut : {false, true}) {
-    if (is_cut && cut_count == 0) break;
-    for (const bool shows_backs : {false, true}) make({.counts = false, .is_cut = is_cut, .shows_backs = shows_backs});
-    if (cut_count != 0) make({.counts = true, .is_cut = is_cut, .shows_backs = true});
-  }
-  if (cut_count != 0) {
-    made.cap = make_pipeline({cap_vertex_, cap_fragment_, {.counts = false, .is_cut = true, .shows_backs = true}, cuts, true});
-  }
+Rasteriser::KernelKind Rasteriser::kernel_kind(const Shot& shot) {
+  return {shot.raster.cut_count <= most_compiled_cuts ? shot.raster.cut_count : any_cuts, shot.has_caps};
+}
+
+vk::raii::Pipeline Rasteriser::make_pipeline(std::span<const std::uint32_t> words, const KernelKind& kind) const {
+  const std::array<std::uint32_t, 2> values{kind.cuts, kind.counts};
+  const std::array entries{vk::SpecializationMapEntry{DMVV_RASTER_CUTS, 0, 4}, vk::SpecializationMapEntry{DMVV_RASTER_COUNTS, 4, 4}};
+  const vk::SpecializationInfo constants{entries.size(), entries.data(), sizeof values, values.data()};
+  const vk::raii::ShaderModule module = gpu_.make_shader(words.data(), words.size());
+  const PipelineCache cache(gpu_, words);
+  auto made = gpu_.device.createComputePipeline(cache.handle(), {.stage = {.stage = vk::ShaderStageFlagBits::eCompute,
+                                                                           .module = *module,
+                                                                           .pName = "main",
+                                                                           .pSpecializationInfo = &constants},
+                                                                 .layout = *layout_});
+  cache.save();
   return made;
 }
 
-bool Rasteriser::is_ready(std::uint32_t cut_count) const {
-  return pipelines_.contains(std::min(cut_count, most_compiled_cuts));
+const Rasteriser::Pipelines& Rasteriser::pipelines_for(const Shot& shot) {
+  const KernelKind kind = kernel_kind(shot);
+  const auto found = pipelines_.find(kind);
+  if (found != pipelines_.end()) return found->second;
+  return pipelines_
+      .emplace(kind, Pipelines{make_pipeline(raster_triangles_comp, kind), make_pipeline(raster_parts_comp, kind),
+                               make_pipeline(raster_surface_comp, kind)})
+      .first->second;
 }
 
-const Rasteriser::Pipelines& Rasteriser::ready_pipelines(const vk::raii::CommandBuffer& commands, std::uint32_t cut_count) {
-  const auto [found, is_new] = pipelines_.try_emplace(std::min(cut_count, most_compiled_cuts));
-  Pipelines& pipelines = found->second;
-  if (!is_new) return pipelines;
-  pipelines = make_pipelines(cut_count);
-  commands.setScissor(0, vk::Rect2D{});
-  for (const auto& [kind, pipeline] : pipelines.surfaces) pipelines.draw(commands, {kind, {0, 3}});
-  if (cut_count != 0) pipelines.draw_caps(commands);
-  return pipelines;
+void Rasteriser::write_runs(std::span<const DrawCall> calls) {
+  auto* run = static_cast<gpu::TriangleRun*>(runs_.mapped);
+  for (const auto& [kind, indices] : calls) {
+    const std::uint32_t drawn = (kind.is_seen ? DMVV_DRAWN_SEEN : 0) | (kind.counts ? DMVV_DRAWN_COUNTED : 0) |
+                                (kind.is_cut ? DMVV_DRAWN_CUT : 0) | (kind.shows_backs ? DMVV_DRAWN_BACKS : 0);
+    *run++ = {indices.first / 3 | drawn, indices.count / 3};
+  }
 }
 
-void Rasteriser::Pipelines::draw(const vk::raii::CommandBuffer& commands, const DrawCall& call) const {
-  commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *surfaces.at(call.kind));
-  commands.drawIndexed(call.indices.count, 1, call.indices.first, 0, 0);
-}
-
-void Rasteriser::Pipelines::draw_caps(const vk::raii::CommandBuffer& commands) const {
-  commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *cap);
-  commands.draw(3, 1, 0, 0);
+void Rasteriser::bind(const Targets& targets) const {
+  const std::array buffers{&params_, &vertices_, &indices_, &runs_, &targets.nearest, &targets.shells, &parts_};
+  static_assert(buffers.size() == DMVV_RASTER_SURFACE);
+  const auto write = [&](std::uint32_t binding, vk::WriteDescriptorSet written) {
+    written.setDstSet(*targets.set).setDstBinding(binding).setDescriptorCount(1).setDescriptorType(bindings[binding]);
+    gpu_.device.updateDescriptorSets(written, nullptr);
+  };
+  for (std::uint32_t i = 0; i < buffers.size(); ++i) {
+    const vk::DescriptorBufferInfo info{*buffers[i]->buffer, 0, VK_WHOLE_SIZE};
+    const vk::BufferView view = i == DMVV_RASTER_VERTICES ? *vertex_texels_ : i == DMVV_RASTER_INDICES ? *index_texels_ : nullptr;
+    write(i, {.pBufferInfo = &info, .pTexelBufferView = &view});
+  }
+  const vk::DescriptorImageInfo image{{}, *targets.surface.view, Layout::eGeneral};
+  write(DMVV_RASTER_SURFACE, {.pImageInfo = &image});
 }
 
 void Rasteriser::draw(const vk::raii::CommandBuffer& commands, const Targets& targets, const Shot& shot,
                       const Tile& tile, bool in_clusters) {
+  const auto calls = in_clusters ? plan_draw(clusters_, shot, tile, shot.eye_within) : plan_whole(clusters_, shot, shot.eye_within);
   gpu::RasterParams params = shot.raster;
-  params.tile_x = tile.corner_px.x;
-  params.tile_y = tile.corner_px.y;
+  params.tile = {tile.corner_px, tile.size_px};
+  params.run_count = static_cast<std::uint32_t>(calls.size());
   std::memcpy(params_.mapped, &params, sizeof params);
+  write_runs(calls);
+  bind(targets);
 
-  // The viewport is the whole picture, moved: a tile's pixels are those of the undivided picture.
-  vk::Viewport viewport{-static_cast<float>(tile.corner_px.x),
-                        -static_cast<float>(tile.corner_px.y),
-                        static_cast<float>(shot.size_px.x),
-                        static_cast<float>(shot.size_px.y),
-                        0.0f,
-                        1.0f};
-  const vk::Rect2D area{{0, 0}, {tile.size_px.x, tile.size_px.y}};
-  const std::array<vk::ClearValue, 2> nothing{};  // depth 0 is infinitely far
-  const auto graphics = vk::PipelineBindPoint::eGraphics;
-  commands.beginRenderPass({.renderPass = *pass_,
-                            .framebuffer = *targets.framebuffer,
-                            .renderArea = area,
-                            .clearValueCount = nothing.size(),
-                            .pClearValues = nothing.data()},
-                           vk::SubpassContents::eInline);
-  commands.setViewport(0, viewport);
-  commands.bindDescriptorSets(graphics, *layout_, 0, *set_, nullptr);
-  commands.bindVertexBuffers(0, *vertices_.buffer, vk::DeviceSize{0});
-  commands.bindIndexBuffer(*indices_.buffer, 0, vk::IndexType::eUint32);
-  const Pipelines& pipelines = ready_pipelines(commands, shot.raster.cut_count);
-  commands.setScissor(0, area);
-  for (const DrawCall& call : plan_draw(in_clusters ? clusters_ : whole_, shot, tile, shot.eye_within)) {
-    pipelines.draw(commands, call);
-  }
-  if (shot.has_caps) {  // over all that is behind, or only where there is nothing
-    viewport.minDepth = viewport.maxDepth = shot.eye_within ? smallest_depth : 1.0f;
-    commands.setViewport(0, viewport);
-    pipelines.draw_caps(commands);
-  }
-  commands.endRenderPass();
+  const Pipelines& kernels = pipelines_for(shot);
+  const vk::DeviceSize pixels = vk::DeviceSize{tile.size_px.x} * tile.size_px.y;
+  commands.fillBuffer(*targets.nearest.buffer, 0, 8 * pixels, 0);
+  if (shot.has_caps) commands.fillBuffer(*targets.shells.buffer, 0, 4 * pixels, 0);
+  commands.fillBuffer(*parts_.buffer, 0, part_header_bytes, 0);
+  commands.pipelineBarrier(Stage::eComputeShader | Stage::eTransfer, Stage::eComputeShader, {},
+                           vk::MemoryBarrier{.srcAccessMask = Access::eTransferWrite,
+                                             .dstAccessMask = Access::eShaderRead | Access::eShaderWrite},
+                           nullptr,
+                           color_barrier(targets.surface, Layout::eUndefined, Layout::eGeneral, {}, Access::eShaderWrite));
+  constexpr auto compute = vk::PipelineBindPoint::eCompute;
+  commands.bindDescriptorSets(compute, *layout_, 0, *targets.set, nullptr);
+  const auto run = [&](const vk::raii::Pipeline& kernel, std::uint32_t across, std::uint32_t down) {
+    commands.bindPipeline(compute, *kernel);
+    commands.dispatch(across, down, 1);
+    wait(commands, Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader | Stage::eTransfer,
+         Access::eShaderRead | Access::eShaderWrite | Access::eTransferRead);
+  };
+  run(kernels.triangles, std::clamp(params.run_count, 1u, most_groups), 1);
+  run(kernels.parts, DMVV_GROUPS_OF_PARTS, 1);
+  run(kernels.surface, (tile.size_px.x + DMVV_RUN_TRIANGLES - 1) / DMVV_RUN_TRIANGLES,
+      (tile.size_px.y + DMVV_COLUMN_PX - 1) / DMVV_COLUMN_PX);
+  commands.copyBuffer(*parts_.buffer, *part_count_.buffer, vk::BufferCopy{0, 0, sizeof(std::uint32_t)});
+  wait(commands, Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
+}
+
+bool Rasteriser::is_complete() const {
+  return *static_cast<const std::uint32_t*>(part_count_.mapped) <= DMVV_MOST_PARTS;
 }
 
 }  // namespace dmvv::runtime

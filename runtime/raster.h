@@ -11,13 +11,13 @@
 
 namespace dmvv::runtime {
 
-inline constexpr vk::Format surface_format = vk::Format::eR32G32B32A32Uint;  // shaders/surface.glsl
-
 /// What is drawn into. The surface is left in the layout GENERAL, for compute shaders and copies.
 struct Targets {
   vk::Extent2D extent;
-  GpuImage surface, depth_stencil;
-  vk::raii::Framebuffer framebuffer{nullptr};
+  GpuImage surface;           ///< shaders/surface.glsl
+  GpuBuffer nearest, shells;  ///< of each pixel (shaders/raster.h)
+  vk::raii::DescriptorPool pool{nullptr};
+  vk::raii::DescriptorSet set{nullptr};
 };
 
 class Rasteriser {
@@ -33,42 +33,44 @@ class Rasteriser {
   std::uint32_t mesh_serial() const { return mesh_serial_; }
   std::size_t open_edges() const { return open_edges_; }
 
-  /// Whether the driver has compiled what views with so many cuts need.
-  bool is_ready(std::uint32_t cut_count) const;
+  /// Whether the kernels for such a view have been made.
+  bool is_ready(const Shot& shot) const { return pipelines_.contains(kernel_kind(shot)); }
   /// Records the drawing of one tile, in clusters or as a whole. Writes what the shaders read: the commands must be done
   /// before the next call.
   void draw(const vk::raii::CommandBuffer& commands, const Targets& targets, const Shot& shot, const Tile& tile,
             bool in_clusters);
+  /// Once the commands are done: whether all of the mesh has been drawn. It has not if large triangles lie over each other
+  /// more often than there is room for.
+  bool is_complete() const;
 
  private:
-  struct PipelineState;
-  struct Pipelines {
-    std::map<DrawKind, vk::raii::Pipeline> surfaces;
-    vk::raii::Pipeline cap{nullptr};
-    void draw(const vk::raii::CommandBuffer& commands, const DrawCall& call) const;
-    void draw_caps(const vk::raii::CommandBuffer& commands) const;
+  /// What the kernels are specialised to (shaders/raster.h).
+  struct KernelKind {
+    std::uint32_t cuts;
+    vk::Bool32 counts;
+    friend auto operator<=>(const KernelKind&, const KernelKind&) = default;
   };
-  vk::raii::Pipeline make_pipeline(const PipelineState& state) const;
-  Pipelines make_pipelines(std::uint32_t cut_count) const;
-  /// The pipelines for so many cuts. The first time, the driver is made to compile them, by drawing nothing.
-  const Pipelines& ready_pipelines(const vk::raii::CommandBuffer& commands, std::uint32_t cut_count);
+  static KernelKind kernel_kind(const Shot& shot);
+  struct Pipelines {
+    vk::raii::Pipeline triangles, parts, surface;
+  };
+  vk::raii::Pipeline make_pipeline(std::span<const std::uint32_t> words, const KernelKind& kind) const;
+  const Pipelines& pipelines_for(const Shot& shot);
+  void write_runs(std::span<const DrawCall> calls);
+  void bind(const Targets& targets) const;
 
   const Device::Impl& gpu_;
-  vk::Format depth_format_;
-  vk::raii::RenderPass pass_{nullptr};
   vk::raii::DescriptorSetLayout set_layout_{nullptr};
   vk::raii::PipelineLayout layout_{nullptr};
-  vk::raii::ShaderModule surface_vertex_, surface_fragment_, cap_vertex_, cap_fragment_;
-  std::map<std::uint32_t, Pipelines> pipelines_;  // by the number of cuts; from most_compiled_cuts on, for any number
-  GpuBuffer params_;
-  vk::raii::DescriptorPool descriptor_pool_{nullptr};
-  vk::raii::DescriptorSet set_{nullptr};
+  std::map<KernelKind, Pipelines> pipelines_;
+  GpuBuffer params_, runs_, parts_, part_count_;
 
   std::optional<voml::Mesh> mesh_;
   std::size_t open_edges_ = 0;
-  std::vector<Cluster> clusters_, whole_;  ///< whole_: as two, those whose backs are not seen and the others
+  std::vector<Cluster> clusters_;
   voml::Bounds bounds_{};
   GpuBuffer vertices_, indices_;
+  vk::raii::BufferView vertex_texels_{nullptr}, index_texels_{nullptr};
   std::uint32_t mesh_serial_ = 0;
 };
 

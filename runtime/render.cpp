@@ -484,7 +484,7 @@ double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const Fr
 /// drawn into the frame's own images: lavapipe compiles a kernel anew for images whose sides are powers of two.
 Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, const Wanted& wanted,
                                       const FramePasses& passes, Timings* timings) {
-  const bool is_warm = shot.slice || rasteriser->is_ready(shot.raster.cut_count);
+  const bool is_warm = shot.slice || rasteriser->is_ready(shot);
   const bool has_frame = frame && frame->targets.extent == extent && frame->wanted == wanted;
   const auto constants = kernel_constants(wanted, passes);
   const bool has_kernel = pixels.contains(constants);
@@ -517,9 +517,7 @@ Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
     const auto drawn = rasteriser->set_mesh(view.mesh != nullptr ? *view.mesh : voml::standard_cube());
     if (!drawn) return tl::unexpected(drawn.error());
   }
-  const std::uint32_t largest_px =
-      std::min({longest_picture_px, gpu.limits.maxViewportDimensions[0], gpu.limits.maxViewportDimensions[1]});
-  const auto shot = plan_shot(view, rasteriser->bounds(), largest_px);
+  const auto shot = plan_shot(view, rasteriser->bounds(), longest_picture_px);
   if (!shot) return tl::unexpected(shot.error());
   const vk::Extent2D extent = tile_extent(shot->size_px, view.samples);
   const Wanted wanted{view.samples == 1 ? view.colors : Colors::floats,  // the mean of samples is taken in float
@@ -533,17 +531,23 @@ Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
   Picture picture = empty_picture(view);
   std::size_t unfinished = 0;
   double gpu_ms = 0.0;
+  bool is_complete = true;
   const auto [lo, hi] = shot->seen;
   for (std::uint32_t y = lo.y; y < hi.y; y += extent.height) {
     for (std::uint32_t x = lo.x; x < hi.x; x += extent.width) {
       const Tile tile{{x, y}, glm::min(glm::uvec2(extent.width, extent.height), hi - glm::uvec2(x, y))};
       gpu_ms += render_tile(*shot, tile, passes);
+      is_complete = is_complete && (shot->slice || rasteriser->is_complete());
       const TilePixels result = tile_pixels(*frame, tile);
       unfinished += result.counted.unfinished;
       resolve_tile(result, tile, *shot, view.samples, picture);
     }
   }
   has_drawn = true;
+  if (!is_complete) {
+    return fail(Fault::input, "large triangles of the support mesh lie over each other too often to be drawn",
+                {"render a smaller picture, or move the eye out of the mesh"});
+  }
   if (unfinished != 0) {
     return fail(Fault::input,
                 fmt::format("{} pixels needed more loop rounds than this device grants (65,535)", unfinished),

@@ -113,6 +113,7 @@ void plan_perspective(const View& view, const voml::Bounds& bounds, Shot& shot) 
   raster.ray = row(corner);
   raster.ray_x = row(step_x);
   raster.ray_y = row(step_y);
+  raster.picture = gpu::vec4(shot.size_px, 0.0f, 0.0f);
   raster.cut_count = static_cast<gpu::uint>(view.cuts.size());
   for (gpu::uint i = 0; i < raster.cut_count; ++i) {
     const double length = glm::length(view.cuts[i].normal);

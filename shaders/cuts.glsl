@@ -1,23 +1,44 @@
 // What the cuts leave. On a pixel's ray a plane leaves the depths t with t * along <= gap; divided by t, this is a
-// comparison of two numbers that change evenly over the screen, without a division for a fragment. Surface and count
-// compare the same numbers, so between mesh and caps no pixel is left open.
-layout(set = 0, binding = 0, std140) uniform Raster { RasterParams raster; };
+// comparison of two numbers that change evenly over the screen. Surface and shells compare the same numbers, so between
+// mesh and caps no pixel is left open. Comes after shaders/raster.h.
+layout(set = 0, binding = DMVV_RASTER_PARAMS, std140) uniform Raster { RasterParams raster; };
 
-// How many cuts there are, if the shader is made for so many; 0: for any number.
-layout(constant_id = 0) const uint compiled_cuts = 0u;
+const uint any_cuts = 0xffffffffu;
+layout(constant_id = DMVV_RASTER_CUTS) const uint compiled_cuts = any_cuts;
 
-uint cut_count() { return compiled_cuts != 0u ? compiled_cuts : raster.cut_count; }
+uint cut_count() { return compiled_cuts != any_cuts ? compiled_cuts : raster.cut_count; }
 
-// Of the undivided picture.
-vec2 pixel_at(vec4 fragment) { return fragment.xy + vec2(raster.tile_x, raster.tile_y); }
+// The cuts, read once: lavapipe reads uniforms lane by lane, wherever they stand, which took longer than all else that is
+// done to a pixel.
+struct Cuts {
+  uint count;  // of those that are asked
+  vec4 a, b, c;
+};
 
-// Whether the first `count` planes leave a point.
-bool is_left(uint count, vec2 pixel, float inverse_depth) {
+Cuts first_cuts(uint count) {
+  const bool is_compiled = compiled_cuts != any_cuts;
+  Cuts cuts = Cuts(count, vec4(0.0), vec4(0.0), vec4(0.0));
+  if (is_compiled && compiled_cuts > 0u) cuts.a = raster.cuts[0].along;
+  if (is_compiled && compiled_cuts > 1u) cuts.b = raster.cuts[1].along;
+  if (is_compiled && compiled_cuts > 2u) cuts.c = raster.cuts[2].along;
+  return cuts;
+}
+
+// How far beyond a plane a point is; at most 0: it is left.
+float beyond(vec4 cut, vec2 at, float inverse_depth) {
+  precise float beyond = cut.x * at.x + cut.y * at.y + cut.z - cut.w * inverse_depth;
+  return beyond;
+}
+
+// Whether the planes leave a point; `at` is the pixel's middle, in pixels of the picture.
+bool is_left(Cuts cuts, vec2 at, float inverse_depth) {
   float most = 0.0;
-  for (uint i = 0; i < cut_count(); ++i) {
-    vec4 cut = raster.cuts[i].along;
-    precise float beyond = cut.x * pixel.x + cut.y * pixel.y + cut.z - cut.w * inverse_depth;
-    most = i < count ? max(most, beyond) : most;
+  if (compiled_cuts != any_cuts) {
+    if (compiled_cuts > 0u && cuts.count > 0u) most = max(most, beyond(cuts.a, at, inverse_depth));
+    if (compiled_cuts > 1u && cuts.count > 1u) most = max(most, beyond(cuts.b, at, inverse_depth));
+    if (compiled_cuts > 2u && cuts.count > 2u) most = max(most, beyond(cuts.c, at, inverse_depth));
+  } else {
+    for (uint i = 0; i < cuts.count; ++i) most = max(most, beyond(raster.cuts[i].along, at, inverse_depth));
   }
   return most == 0.0;
 }

@@ -1,4 +1,4 @@
-// What the raster shaders are told, defined once for C++ and GLSL (std140: every member is made of 16-byte rows).
+// What the raster kernels are told, defined once for C++ and GLSL (std140: every member is made of 16-byte rows).
 #ifndef DMVV_SHADERS_RASTER_H
 #define DMVV_SHADERS_RASTER_H
 
@@ -8,9 +8,39 @@
 namespace dmvv::gpu {
 using uint = std::uint32_t;
 using vec4 = glm::vec4;
+using uvec4 = glm::uvec4;
 #endif
 
 #define DMVV_MAX_CUTS 64
+
+// Bindings of their descriptor set.
+#define DMVV_RASTER_PARAMS 0
+#define DMVV_RASTER_VERTICES 1  // texels: a position's bits, and a normal as two 16-bit numbers (packSnorm2x16, octahedral)
+#define DMVV_RASTER_INDICES 2   // texels: three vertices a triangle
+#define DMVV_RASTER_RUNS 3
+#define DMVV_RASTER_NEAREST 4   // of each pixel of the tile: bits of 1 / depth << 32 | ~triangle; 0: none
+#define DMVV_RASTER_SHELLS 5    // of each pixel: how many times more often the solid is left than entered beyond the cap
+#define DMVV_RASTER_PARTS 6
+#define DMVV_RASTER_SURFACE 7   // image (shaders/surface.glsl)
+#define DMVV_RASTER_BINDINGS 8
+
+// Specialisation constants.
+#define DMVV_RASTER_CUTS 0      // how many cuts there are, if the kernel is made for so many (up to 3); 0xffffffff: any number
+#define DMVV_RASTER_COUNTS 1    // whether shells are counted, for caps
+
+#define DMVV_RUN_TRIANGLES 128u         // at most, of a run; invocations of a group
+#define DMVV_GROUPS_OF_PARTS 1024u      // dispatched, whatever the number of parts
+#define DMVV_PART_PX 32u                // the side of a part of a triangle
+#define DMVV_MOST_PARTS 0x100000u
+#define DMVV_COLUMN_PX 8u               // pixels below each other that are resolved by an invocation
+#define DMVV_WHOLE_TRIANGLE_PX 1024u     // triangles with so many pixels around them at most are not divided
+
+// What becomes of a triangle: bits above its number.
+#define DMVV_DRAWN_SEEN 0x80000000u     // it may be seen
+#define DMVV_DRAWN_COUNTED 0x40000000u  // its fragments are shells
+#define DMVV_DRAWN_CUT 0x20000000u      // each pixel is tested against the cuts; else they leave all of it, and all of it counts
+#define DMVV_DRAWN_BACKS 0x10000000u    // its back is seen
+#define DMVV_DRAWN_TRIANGLE 0x0fffffffu
 
 // A cutting plane: n.x > d is taken away.
 struct CutPlane {
@@ -29,15 +59,25 @@ struct RasterParams {
   vec4 ray;             // direction through the corner (0, 0) of the picture
   vec4 ray_x;           // its change from pixel to pixel, to the right
   vec4 ray_y;           // and down
-  uint tile_x, tile_y;  // where the target's corner lies in the picture, pixels
+  vec4 picture;         // width and height, pixels; zw unused
+  uvec4 tile;           // where its corner lies in the picture, and its size, pixels
   uint cut_count;
   uint front_count;  // of the first cuts: they take the eye's side away. Unless it is 0, caps are seen from outside
+  uint run_count;
+  uint pad0;
   CutPlane cuts[DMVV_MAX_CUTS];
+};
+
+// Neighbouring triangles with which the same is done.
+struct TriangleRun {
+  uint first;  // triangle | DMVV_DRAWN_*
+  uint count;
 };
 
 #ifdef __cplusplus
 static_assert(sizeof(CutPlane) == 32);
-static_assert(sizeof(RasterParams) == 8 * 16 + DMVV_MAX_CUTS * 32);
+static_assert(sizeof(RasterParams) == 10 * 16 + DMVV_MAX_CUTS * 32);
+static_assert(sizeof(TriangleRun) == 8);
 }  // namespace dmvv::gpu
 #endif
 

@@ -180,6 +180,56 @@ TEST_CASE("an eye very near the surface") {
   CHECK(top.z == 1.0f);
 }
 
+TEST_CASE("triangles of any size make the same picture") {
+  const auto faces_of = [](int n) {  // the cube, each face in n x n squares
+    voml::Mesh mesh;
+    for (int face = 0; face < 6; ++face) {
+      const int axis = face / 2, side = face % 2 == 0 ? 1 : -1;
+      const auto first = static_cast<std::uint32_t>(mesh.positions.size()), row = static_cast<std::uint32_t>(n + 1);
+      for (int v = 0; v <= n; ++v) {
+        for (int u = 0; u <= n; ++u) {
+          glm::dvec3 p(0.0);
+          p[axis] = side;
+          p[(axis + 1) % 3] = side * (2.0 * u / n - 1.0);
+          p[(axis + 2) % 3] = 2.0 * v / n - 1.0;
+          mesh.positions.push_back(p);
+        }
+      }
+      for (std::uint32_t v = 0; v + 1 < row; ++v) {
+        for (std::uint32_t u = 0; u + 1 < row; ++u) {
+          const std::uint32_t a = first + v * row + u;
+          mesh.triangles.push_back({a, a + 1, a + row + 1});
+          mesh.triangles.push_back({a, a + row + 1, a + row});
+        }
+      }
+    }
+    return mesh;
+  };
+  for (const glm::dvec3& eye : {glm::dvec3(3.0, 2.5, 5.0), glm::dvec3(0.3, 0.2, 0.1), glm::dvec3(0.0, 0.0, 4.0)}) {
+    View view = view_from(eye, {});
+    view.size_px = {400, 300};
+    view.camera.look = {0.0, 0.05, 0.0};
+    view.shading = runtime::Shading::none;
+    const voml::Mesh large = faces_of(1);
+    view.mesh = &large;
+    const Picture expected = render(view, Show::position);
+    for (const int n : {4, 30, 250}) {  // triangles of some 70, 10 and 1 pixels across
+      const voml::Mesh fine = faces_of(n);
+      view.mesh = &fine;
+      const Picture picture = render(view, Show::position);
+      std::size_t others = 0, off = 0;
+      for (std::size_t i = 0; i < std::size_t{400} * 300; ++i) {
+        const bool is_covered = expected.rgba[4 * i + 3] != 0.0f;
+        if (is_covered != (picture.rgba[4 * i + 3] != 0.0f)) ++others;
+        else off += is_covered && glm::distance(color_at(expected, i), color_at(picture, i)) > 2e-5f;
+      }
+      CAPTURE(n);
+      CHECK(others <= 3);  // at the cube's outline, by rounding
+      CHECK(off <= 3);     // at its edges, likewise
+    }
+  }
+}
+
 TEST_CASE("random cuts through a torus") {
   const voml::Mesh ring = torus(0.65, 0.3, 16);
   std::uint32_t state = 12345;
