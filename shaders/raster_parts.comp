@@ -25,7 +25,7 @@ void main() {
   ivec2 within = ivec2(gl_LocalInvocationID.x) / ivec2(1, round_px.x) % round_px;
   for (uint i = gl_WorkGroupID.x; i < min(part_count, DMVV_MOST_PARTS); i += gl_NumWorkGroups.x) {
     TrianglePart part = parts[i];
-    Triangle t = triangle_number(part.drawn & DMVV_DRAWN_TRIANGLE);
+    Triangle t = triangle_number(screen, part.drawn & DMVV_DRAWN_TRIANGLE);
     bvec3 zero = counts_zero(t);
     ivec2 square = ivec2(part.place & 0xffffu, part.place >> 16u) * int(DMVV_PART_PX);
     Box box = box_of(screen, t);

@@ -77,7 +77,7 @@ uvec4 cap_at(Screen screen, Section s, vec2 middle) {
 uvec4 surface_at(Screen screen, uint number, vec2 middle) {
   uvec4 a = corner_texel(number, 0u), b = corner_texel(number, 1u), c = corner_texel(number, 2u);
   vec3 p = uintBitsToFloat(a.xyz), q = uintBitsToFloat(b.xyz), r = uintBitsToFloat(c.xyz);
-  vec3 weights = weights_at(triangle_of(p, q, r), middle, screen.scale);
+  vec3 weights = weights_at(triangle_of(screen, p, q, r), middle, screen.scale);
   float sum = weights.x + weights.y + weights.z;
   weights /= sum;
   vec3 normal = weights.x * unfold(unpackSnorm2x16(a.w)) + weights.y * unfold(unpackSnorm2x16(b.w)) + weights.z * unfold(unpackSnorm2x16(c.w));

@@ -41,7 +41,7 @@ void main() {
     TriangleRun run = runs[r];
     bool there = gl_LocalInvocationID.x < run.count;
     uint drawn = run.first + (there ? gl_LocalInvocationID.x : 0u);
-    Triangle t = triangle_number(drawn & DMVV_DRAWN_TRIANGLE);
+    Triangle t = triangle_number(screen, drawn & DMVV_DRAWN_TRIANGLE);
     Box box = box_of(screen, t);
     there = there && all(lessThan(box.lo, box.hi)) && ((drawn & (DMVV_DRAWN_BACKS | DMVV_DRAWN_COUNTED)) != 0u || !is_turned_away(screen, t));
     uint width = uint(box.hi.x - box.lo.x), count = there ? width * uint(box.hi.y - box.lo.y) : 0u;

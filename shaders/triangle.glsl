@@ -20,22 +20,40 @@ uvec4 corner_texel(uint triangle, uint corner) {
   return imageLoad(vertices, int(imageLoad(indices, int(3u * triangle + corner)).x));
 }
 
-vec3 on_screen(vec3 position) {
-  precise vec3 from_eye = position - raster.eye.xyz;
-  vec3 r = raster.right.xyz, d = raster.down.xyz, f = raster.forward.xyz;
+// What all pixels of a tile share, read once (shaders/cuts.glsl).
+struct Screen {
+  vec2 corner;  // the middle of the tile's first pixel, in pixels of the picture
+  vec2 scale;   // -1..1 across the picture, by pixels
+  uvec2 size;   // of the tile, pixels
+  float near;
+  vec3 eye, right, down, forward;  // shaders/raster.h
+  bool from_outside;  // are caps seen
+  Cuts all, before_cap;
+};
+
+Screen this_screen() {
+  bool from_outside = raster.front_count != 0;
+  return Screen(vec2(raster.tile.xy) + 0.5, 2.0 / raster.picture.xy, raster.tile.zw, raster.right.w, raster.eye.xyz, raster.right.xyz,
+                raster.down.xyz, raster.forward.xyz, from_outside,
+                first_cuts(cut_count()), first_cuts(from_outside ? raster.front_count : cut_count()));
+}
+
+vec3 on_screen(Screen screen, vec3 position) {
+  precise vec3 from_eye = position - screen.eye;
+  vec3 r = screen.right, d = screen.down, f = screen.forward;
   precise float x = r.x * from_eye.x + r.y * from_eye.y + r.z * from_eye.z;
   precise float y = d.x * from_eye.x + d.y * from_eye.y + d.z * from_eye.z;
   precise float w = f.x * from_eye.x + f.y * from_eye.y + f.z * from_eye.z;
   return vec3(x, y, w);
 }
 
-Triangle triangle_of(vec3 a, vec3 b, vec3 c) {
-  vec3 p = on_screen(a), q = on_screen(b), r = on_screen(c);
+Triangle triangle_of(Screen screen, vec3 a, vec3 b, vec3 c) {
+  vec3 p = on_screen(screen, a), q = on_screen(screen, b), r = on_screen(screen, c);
   return Triangle(vec3(p.x, q.x, r.x), vec3(p.y, q.y, r.y), vec3(p.z, q.z, r.z));
 }
 
-Triangle triangle_number(uint number) {
-  return triangle_of(uintBitsToFloat(corner_texel(number, 0u).xyz), uintBitsToFloat(corner_texel(number, 1u).xyz),
+Triangle triangle_number(Screen screen, uint number) {
+  return triangle_of(screen, uintBitsToFloat(corner_texel(number, 0u).xyz), uintBitsToFloat(corner_texel(number, 1u).xyz),
                      uintBitsToFloat(corner_texel(number, 2u).xyz));
 }
 
@@ -45,22 +63,6 @@ bvec3 counts_zero(Triangle t) {
   precise vec3 by_y = t.w.yzx * t.x.zxy - t.x.yzx * t.w.zxy;
   return bvec3(by_x.x > 0.0 || (by_x.x == 0.0 && by_y.x > 0.0), by_x.y > 0.0 || (by_x.y == 0.0 && by_y.y > 0.0),
                by_x.z > 0.0 || (by_x.z == 0.0 && by_y.z > 0.0));
-}
-
-// What all pixels of a tile share, read once (shaders/cuts.glsl).
-struct Screen {
-  vec2 corner;  // the middle of the tile's first pixel, in pixels of the picture
-  vec2 scale;   // -1..1 across the picture, by pixels
-  uvec2 size;   // of the tile, pixels
-  float near;
-  bool from_outside;  // are caps seen
-  Cuts all, before_cap;
-};
-
-Screen this_screen() {
-  bool from_outside = raster.front_count != 0;
-  return Screen(vec2(raster.tile.xy) + 0.5, 2.0 / raster.picture.xy, raster.tile.zw, raster.right.w, from_outside,
-                first_cuts(cut_count()), first_cuts(from_outside ? raster.front_count : cut_count()));
 }
 
 // The corners' weights at a pixel, their sum not yet 1: the edges opposite to them.
