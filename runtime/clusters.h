@@ -48,7 +48,6 @@ struct DrawKind {
   bool counts = false;       ///< they are shells for the caps, whichever side they show
   bool is_cut = false;       ///< each pixel is tested; else the cuts leave all of it, and all of it counts
   bool shows_backs = false;  ///< where they are seen
-  friend auto operator<=>(const DrawKind&, const DrawKind&) = default;
 };
 
 struct DrawCall {

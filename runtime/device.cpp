@@ -144,7 +144,7 @@ bool has_subgroups(const vk::raii::PhysicalDevice& physical) {
          (subgroups.supportedStages & vk::ShaderStageFlagBits::eCompute);
 }
 
-/// The nearest triangle of a pixel is found by an atomic minimum (shaders/triangle.glsl).
+/// The nearest triangle of a pixel is found by an atomic maximum (shaders/triangle.glsl).
 bool has_long_atomics(const vk::raii::PhysicalDevice& physical) {
   const auto chain = physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>();
   return chain.get<vk::PhysicalDeviceFeatures2>().features.shaderInt64 &&
@@ -299,8 +299,7 @@ GpuBuffer Device::Impl::make_buffer(vk::DeviceSize bytes, vk::BufferUsageFlags u
   return made;
 }
 
-GpuImage Device::Impl::make_image(vk::ImageType type, vk::Format format, vk::Extent3D extent, vk::ImageUsageFlags usage,
-                                  vk::ImageAspectFlags aspect) const {
+GpuImage Device::Impl::make_image(vk::ImageType type, vk::Format format, vk::Extent3D extent, vk::ImageUsageFlags usage) const {
   GpuImage made;
   made.image = device.createImage({.imageType = type,
                                    .format = format,
@@ -316,7 +315,7 @@ GpuImage Device::Impl::make_image(vk::ImageType type, vk::Format format, vk::Ext
       device.createImageView({.image = *made.image,
                               .viewType = type == vk::ImageType::e3D ? vk::ImageViewType::e3D : vk::ImageViewType::e2D,
                               .format = format,
-                              .subresourceRange = {.aspectMask = aspect, .levelCount = 1, .layerCount = 1}});
+                              .subresourceRange = {.aspectMask = vk::ImageAspectFlagBits::eColor, .levelCount = 1, .layerCount = 1}});
   return made;
 }
 

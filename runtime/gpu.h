@@ -59,8 +59,7 @@ struct Device::Impl {
 
   Impl();
   GpuBuffer make_buffer(vk::DeviceSize bytes, vk::BufferUsageFlags usage, MemoryUse use) const;
-  GpuImage make_image(vk::ImageType type, vk::Format format, vk::Extent3D extent, vk::ImageUsageFlags usage,
-                      vk::ImageAspectFlags aspect = vk::ImageAspectFlagBits::eColor) const;
+  GpuImage make_image(vk::ImageType type, vk::Format format, vk::Extent3D extent, vk::ImageUsageFlags usage) const;
   vk::raii::ShaderModule make_shader(const std::uint32_t* words, std::size_t count) const;
   /// Records commands, submits them and waits until they are done. Returns the milliseconds they took by the device's
   /// own time stamps; 0 if it has none.

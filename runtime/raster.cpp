@@ -14,7 +14,6 @@
 #include <array>
 #include <cstring>
 #include <glm/packing.hpp>
-#include <limits>
 #include <utility>
 
 #include "runtime/pipeline_cache.h"
