@@ -1,4 +1,6 @@
-// Parts of triangles that are too large for one invocation: the square (x, y) of DMVV_PART_PX pixels.
+// Parts of triangles that are too large for one invocation: the rectangle (x, y) of part_px pixels.
+const uvec2 part_px = uvec2(DMVV_PART_COLUMNS, DMVV_PART_ROWS);
+
 struct TrianglePart {
   uint drawn;  // triangle | DMVV_DRAWN_*
   uint place;  // x | y << 16

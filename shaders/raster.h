@@ -30,7 +30,8 @@ using uvec4 = glm::uvec4;
 
 #define DMVV_RUN_TRIANGLES 128u         // at most, of a run; invocations of a group
 #define DMVV_GROUPS_OF_PARTS 1024u      // dispatched, whatever the number of parts
-#define DMVV_PART_PX 32u                // the side of a part of a triangle
+#define DMVV_PART_COLUMNS 128u           // of a part of a triangle
+#define DMVV_PART_ROWS 32u
 #define DMVV_MOST_PARTS 0x100000u
 #define DMVV_COLUMN_PX 8u               // pixels below each other that are resolved by an invocation
 #define DMVV_WHOLE_TRIANGLE_PX 1024u     // triangles with so many pixels around them at most are not divided

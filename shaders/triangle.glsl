@@ -73,35 +73,79 @@ vec3 weights_at(Triangle t, vec2 middle, vec2 scale) {
   return weights;
 }
 
-// Pixels [lo, hi) of the tile; hi <= lo: none.
-struct Box {
-  ivec2 lo, hi;
+// Where a triangle lies in the tile: in the pixels [lo, hi), and in each row between two lines on either side. A line is
+// x = at + by * y, in pixels of the tile. A little more than the triangle: which pixels it covers their own weights tell.
+struct Outline {
+  ivec2 lo, hi;           // hi <= lo: nowhere
+  bool is_turned_away;    // shows its back for certain; of others their pixels decide
+  vec2 left_at, left_by, right_at, right_by;
 };
 
-void include(inout vec2 lo, inout vec2 hi, vec2 p) {
-  lo = min(lo, p);
-  hi = max(hi, p);
-}
+const float unbounded = 1.0e9;
 
-// Around what of the triangle lies beyond the near plane.
-Box box_of(Screen screen, Triangle t) {
+// Of what lies beyond the near plane. Corners are known to some units of float32, and so are lines that are not much
+// shorter than the triangle is high; shorter ones bound nothing.
+Outline outline_of(Screen screen, Triangle t) {
   float near = screen.near;
-  vec2 lo = vec2(3.0e38), hi = vec2(-3.0e38);
+  vec2 from[3], to[3], lo = vec2(unbounded), hi = vec2(-unbounded), clipped = vec2(0.0);
+  bool is_there[3], is_clipped = false;
   float farthest = 0.0;
   for (int i = 0; i < 3; ++i) {
     int j = i == 2 ? 0 : i + 1;
     vec3 p = vec3(t.x[i], t.y[i], t.w[i]), q = vec3(t.x[j], t.y[j], t.w[j]);
-    if (p.z >= near) include(lo, hi, p.xy / p.z);
-    bool crosses = (p.z >= near) != (q.z >= near);
-    float along = crosses ? (near - p.z) / (q.z - p.z) : 0.0;
-    if (crosses) include(lo, hi, mix(p.xy, q.xy, along) / near);
-    if (crosses) farthest = max(farthest, max(max(abs(p.x), abs(p.y)), max(abs(q.x), abs(q.y))));
+    bool sees_p = p.z >= near, sees_q = q.z >= near;
+    vec2 crossing = mix(p.xy, q.xy, sees_p != sees_q ? (near - p.z) / (q.z - p.z) : 0.0) / near;
+    from[i] = ((sees_p ? p.xy / p.z : crossing) + 1.0) / screen.scale - screen.corner;
+    to[i] = ((sees_q ? q.xy / q.z : crossing) + 1.0) / screen.scale - screen.corner;
+    is_there[i] = sees_p || sees_q;
+    if (is_there[i]) lo = min(lo, min(from[i], to[i])), hi = max(hi, max(from[i], to[i]));
+    if (sees_p != sees_q) {
+      clipped = sees_p ? to[i] : from[i];
+      farthest = max(farthest, max(max(abs(p.x), abs(p.y)), max(abs(q.x), abs(q.y))));
+      is_clipped = true;
+    }
   }
-  vec2 margin_px = 1.0 / 64.0 + 1e-6 * farthest / (near * screen.scale);
+  vec2 margin = 1.0 / 64.0 + 1e-6 * farthest / (near * screen.scale);
   vec2 size = vec2(screen.size);
-  vec2 first = ceil((lo + 1.0) / screen.scale - margin_px - screen.corner);
-  vec2 end = floor((hi + 1.0) / screen.scale + margin_px - screen.corner) + 1.0;
-  return Box(ivec2(clamp(first, vec2(0.0), size)), ivec2(clamp(end, vec2(0.0), size)));
+  Outline outline;
+  outline.lo = ivec2(clamp(ceil(lo - margin), vec2(0.0), size));
+  outline.hi = ivec2(clamp(floor(hi + margin) + 1.0, vec2(0.0), size));
+
+  vec2 middle = is_clipped ? clipped : from[0];
+  float twice_area = 0.0, around = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    vec2 a = from[i] - middle, b = to[i] - middle;
+    if (is_there[i]) twice_area += a.x * b.y - a.y * b.x, around += abs(a.x) + abs(a.y);
+  }
+  bool is_sure = abs(twice_area) > 1e-2 * around;
+  outline.is_turned_away = !is_clipped && is_sure && twice_area > 0.0;
+
+  outline.left_at = vec2(-unbounded), outline.left_by = vec2(0.0);
+  outline.right_at = vec2(unbounded), outline.right_by = vec2(0.0);
+  float rough = 1.0 / 64.0 + 2e-5 * max(max(size.x, max(-lo.x, hi.x)), max(-lo.y, hi.y)) + max(margin.x, margin.y);
+  for (int i = 0; i < 3; ++i) {
+    vec2 along = to[i] - from[i];
+    bool bounds = is_sure && is_there[i] && abs(along.y) > (hi.y - lo.y) / 32.0;
+    float by = bounds ? along.x / along.y : 0.0, at = from[i].x - by * from[i].y, beside = rough * (1.0 + abs(by));
+    bool is_left = (along.y > 0.0) != (twice_area > 0.0);
+    if (bounds && is_left) {
+      outline.left_at = vec2(outline.left_at.y, at - beside);
+      outline.left_by = vec2(outline.left_by.y, by);
+    }
+    if (bounds && !is_left) {
+      outline.right_at = vec2(outline.right_at.y, at + beside);
+      outline.right_by = vec2(outline.right_by.y, by);
+    }
+  }
+  return outline;
+}
+
+// The pixels [x, y) of a row.
+ivec2 row_of(Outline outline, int row) {
+  vec2 left = outline.left_at + outline.left_by * float(row), right = outline.right_at + outline.right_by * float(row);
+  float first = clamp(ceil(max(left.x, left.y)), float(outline.lo.x), float(outline.hi.x));
+  float end = clamp(floor(min(right.x, right.y)) + 1.0, float(outline.lo.x), float(outline.hi.x));
+  return ivec2(first, end);
 }
 
 uint pixel_index(Screen screen, uvec2 pixel) { return pixel.y * screen.size.x + pixel.x; }
