@@ -123,9 +123,11 @@ std::string statistics_text(const compiler::Program& program) {
       "texture_bytes   {}\n"
       "atlas_fill      {:.3f}\n"
       "glsl_lines      {}\n"
-      "inlined_lines   {}\n",
+      "inlined_lines   {}\n"
+      "stages          {}\n",
       name_of(program.codegen), s.objects, s.sdfs, s.nodes, s.regions,
-      s.candidates, s.seeds, s.depth, s.buffer_bytes, s.texture_bytes, s.atlas_fill, s.glsl_lines, s.inlined_lines);
+      s.candidates, s.seeds, s.depth, s.buffer_bytes, s.texture_bytes, s.atlas_fill, s.glsl_lines, s.inlined_lines,
+      s.stages);
   for (const std::string& object : s.object_codegen) result += fmt::format("object          {}\n", object);
   for (const std::string& tape : s.tapes) result += fmt::format("tape            {}\n", tape);
   return result;

@@ -5,7 +5,7 @@ include(CMakePackageConfigHelpers)
 set(DMVV_PUBLIC_HEADERS
   authoring/bake.h authoring/distance_grid.h authoring/field.h authoring/grid_check.h authoring/molecule.h
   compiler/affine.h compiler/code_cache.h compiler/compile.h compiler/cost_model.h compiler/explanation.h compiler/inventory.h compiler/lint.h
-  compiler/module.h compiler/program.h compiler/reference.h compiler/snippet/snippet.h compiler/tape_options.h
+  compiler/module.h compiler/program.h compiler/reference.h compiler/snippet/snippet.h compiler/stage_options.h compiler/tape_options.h
   runtime/disk_cache.h runtime/runtime.h runtime/view.h
   shaders/records.h
   voml/diagnostic_codes.def voml/diagnostics.h voml/files.h voml/format.h voml/grid.h voml/id.h voml/mesh.h voml/result.h voml/scene.h)

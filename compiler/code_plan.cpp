@@ -42,7 +42,7 @@ class Planning {
     choose_cuts();
     mark_needed();
     describe();
-    plan_.inlined_lines = all_inlined_lines(plan_.cut)[module_.root.index];
+    measure();
     return std::move(plan_);
   }
 
@@ -233,6 +233,19 @@ class Planning {
         for (const auto& called : plan_.calls[region.index]) {
           for (const Id<Object> child : called) plan_.needed[child.index] = true;
         }
+      }
+    }
+  }
+
+  void measure() {
+    const std::vector<std::uint32_t> lines = all_inlined_lines(plan_.cut);
+    plan_.inlined_lines = lines[module_.root.index];
+    for (const auto& groups : counted_) {
+      plan_.group_lines.emplace_back();
+      for (const auto& called : groups) {
+        std::uint32_t sum = 0;
+        for (const Id<Object> object : called) sum = saturating_add(sum, lines[object.index]);
+        plan_.group_lines.back().push_back(sum);
       }
     }
   }

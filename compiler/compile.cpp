@@ -32,6 +32,10 @@ bool tells_reach(const CompileOptions& options) {
   return options.many_frames && writes_code(options) && enabled(options, "reach");
 }
 
+bool in_stages(const CompileOptions& options) {
+  return writes_code(options) && enabled(options, "stages");
+}
+
 GridStorage grid_storage(const Module& module, const CompileOptions& options) {
   return {options.atlas_format, options.filter, texel_scales(module, options.atlas_format, options.filter)};
 }
@@ -89,6 +93,9 @@ void write_kernels(Program& program, const Evaluation& evaluation, RecordAccess 
     if (kernel == Kernel::leaders && !evaluation.uses.reach) continue;
     program.glsl[static_cast<std::size_t>(kernel)] = generate_glsl(evaluation, program.depth, kernel, access);
   }
+  for (std::size_t i = 0; i < evaluation.stages.size(); ++i) {
+    program.stages.push_back({generate_stage_glsl(evaluation, program.depth, i, access), {}, evaluation.stages[i].has_next});
+  }
 }
 
 bool check_buffers(const Program& program, std::uint64_t limit, Diagnostics& diagnostics) {
@@ -144,6 +151,7 @@ const std::vector<PassInfo>& pass_names() {
       {"fold-affine", "identities, translations and scalings are written as such"},
       {"unite-shapes", "objects of a group that are equal but for their numbers share one function"},
       {"box-tests", "box tests that the standard cube already answers are left out"},
+      {"stages", "pixels are evaluated by several kernels, each with the code of what its pixels came to"},
       {"tapes", "large snippets are tapes that one loop walks, instead of code"},
       {"shorten-tapes", "tapes are shortened for each cell of a grid by what intervals prove there"},
       {"texel-records", "records that a point finds are read from texels, on devices that load those faster"},
@@ -201,12 +209,17 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
                                  : std::vector<snippet::Steepness>{};
   const GlslOptions glsl_options{options.codegen, options.inlined_line_budget, options.costs, enabled(options, "fold-affine"),
                                  enabled(options, "box-tests"), &tapes,
-                                 writes_code(options) && enabled(options, "unite-shapes"), reaches ? &steepness : nullptr};
+                                 writes_code(options) && enabled(options, "unite-shapes"),
+                                 in_stages(options) ? std::optional(options.stages) : std::nullopt, options.many_frames,
+                                 reaches ? &steepness : nullptr};
   Evaluation evaluation = generate_evaluation(module, records, *grid_atlas, glsl_options);
   name_united(records, module, evaluation.united);
 
   count(program.statistics, module);
   program.statistics.inlined_lines = evaluation.inlined_lines;
+  program.statistics.stages = evaluation.stage_count;
+  program.statistics.united_objects = static_cast<std::uint32_t>(evaluation.united.size());
+  program.statistics.united_functions = evaluation.united_functions;
   program.statistics.object_codegen = std::move(evaluation.object_codegen);
   program.statistics.atlas_fill = grid_atlas->fill;
   program.time_functions = std::move(evaluation.time_functions);

@@ -304,6 +304,17 @@ std::string Families::take(const std::vector<std::string>& names) {
   return text;
 }
 
+std::string Families::copy(const std::vector<std::string>& names) {
+  std::vector<bool> functions;
+  std::map<std::uint32_t, bool> unions;
+  for (const Function& function : functions_) functions.push_back(function.is_taken);
+  for (const auto& [shape, united] : unions_) unions.emplace(shape, united.is_taken);
+  std::string text = take(names);
+  for (std::size_t i = 0; i < functions.size(); ++i) functions_[i].is_taken = functions[i];
+  for (auto& [shape, united] : unions_) united.is_taken = unions.at(shape);
+  return text;
+}
+
 void Families::take(std::uint32_t number, std::string& text) {
   Function& function = functions_[number];
   if (std::exchange(function.is_taken, true)) return;

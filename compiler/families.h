@@ -42,6 +42,8 @@ class Families {
 
   /// The text of these functions in their order, each after what it calls; what was given out before is left out.
   std::string take(const std::vector<std::string>& names);
+  /// Likewise, for a text of its own: to be given out again.
+  std::string copy(const std::vector<std::string>& names);
 
  private:
   struct Token {

@@ -15,6 +15,7 @@
 #include "compiler/code_plan.h"
 #include "compiler/families.h"
 #include "compiler/glsl_text.h"
+#include "compiler/stage_plan.h"
 
 namespace dmvv::compiler {
 
@@ -34,6 +35,17 @@ constexpr std::size_t most_constant_regions = 24;
 constexpr std::uint32_t lines_of_trilinear = 16;  // of a filter in the shader, in place of one texture lookup
 constexpr std::uint32_t lines_of_tricubic = 90;
 
+/// How groups are written that stages divide.
+struct Continuation {
+  std::size_t first = 0;   ///< the groups before it have been asked
+  bool asks_first = true;  ///< in this stage
+  const Way* way = nullptr;
+  std::string last;        ///< what is called for the last group's one candidate; "": its usual function
+  std::optional<std::uint32_t> stage_of(const StagePlan& plan, std::size_t group) const {
+    return way == nullptr || (asks_first && group == first) ? std::nullopt : plan.stage_at(*way, group);
+  }
+};
+
 class Generator : GlslWriter {
  public:
   Generator(const Module& module, const Records& records, const Atlas& grid_atlas, const GlslOptions& options)
@@ -48,6 +60,7 @@ class Generator : GlslWriter {
       alike = by_shape();
     }
     write(plan_code(module_, sizes_, alike, {options_.codegen, options_.inlined_line_budget, options_.costs}));
+    emit_stages();
     return finish();
   }
 
@@ -87,6 +100,7 @@ class Generator : GlslWriter {
 
   Evaluation finish() {
     families_.settle();
+    out_.united_functions = static_cast<std::uint32_t>(united_names_.size());
     out_.parameters = families_.parameters();
     out_.uses.parameters = !out_.parameters.empty();
     for (const auto& [object, family] : united_objects_) {
@@ -95,6 +109,11 @@ class Generator : GlslWriter {
     out_.uses.tapes = !tape_walker_.empty();
     out_.functions = tape_walker_;
     if (plan_.walks()) out_.functions += families_.take(walker_functions());
+    for (std::uint32_t i = 0; i < out_.stages.size(); ++i) {
+      std::string text = families_.copy({"color_of", stage_name(i)});
+      const bool has_next = text.find("next_stage = ") != std::string::npos;
+      out_.stages[i] = {std::move(text), has_next};
+    }
     out_.glsl = families_.take(scene_functions());
     out_.inlined_lines = plan_.inlined_lines;
     out_.object_codegen = std::move(plan_.object_codegen);
@@ -243,7 +262,7 @@ class Generator : GlslWriter {
 
   // ---- how far answers hold (shaders/reach.glsl) ----
 
-  bool reaches() const { return options_.steepness != nullptr; }
+  bool reaches() const { return options_.steepness != nullptr && !stage_; }
 
   /// A literal; what is infinite, or nearly, as a number that leaves no reach.
   static std::string bound(double value) {
@@ -495,24 +514,25 @@ class Generator : GlslWriter {
     close();
   }
 
-  void emit_candidates(Id<Region> id, bool one_region) {
+  void emit_candidates(Id<Region> id, bool one_region, const Continuation& continued = {}) {
     const Region& region = at(module_.regions, id);
-    for (std::size_t g = 0; g < region.groups.size(); ++g) {
+    for (std::size_t g = continued.first; g < region.groups.size(); ++g) {
       const CandidateGroup& group = region.groups[g];
       const std::uint32_t record = records_.regions[id.index].first_group + static_cast<std::uint32_t>(g);
       line("// {}: {} candidates", region.name, fmt::format("{}", group.candidates.size()));
       const std::string here = guarded(one_region ? "" : fmt::format("region == {}u", id.index));
-      const std::string nobody_yet = g == 0 ? "" : "hit_number == 0u";  // nobody is asked once there is an answer
+      const std::string nobody_yet = g == continued.first ? "" : nobody();  // nobody is asked once there is an answer
       const std::string asked = here.empty() || nobody_yet.empty() ? here + nobody_yet : here + " && " + nobody_yet;
       if (group.candidates.size() == 1) {
-        emit_one_candidate(id, group, asked);
+        emit_one_candidate(id, group, asked, g + 1 == region.groups.size() ? continued.last : "");
       } else {
-        emit_group(id, g, records_.groups[record], asked);
+        emit_group(id, g, records_.groups[record], asked, continued.stage_of(stages_, g));
       }
     }
   }
 
-  void emit_group(Id<Region> region, std::size_t g, const gpu::GroupRecord& record, const std::string& asked) {
+  void emit_group(Id<Region> region, std::size_t g, const gpu::GroupRecord& record, const std::string& asked,
+                  std::optional<std::uint32_t> later) {
     const CandidateGroup& group = at(module_.regions, region).groups[g];
     open(asked.empty() ? "" : fmt::format("if ({})", asked));
     if (group.box_from_object) {
@@ -520,7 +540,7 @@ class Generator : GlslWriter {
       if (reaches()) line("{};", limit_group_box(*group.box_from_object));
       open("if (in_cube(b))");
     }
-    emit_candidate_loop(region, g, record);
+    emit_candidate_loop(region, g, record, later);
     if (group.box_from_object) close();
     close();
   }
@@ -532,7 +552,8 @@ class Generator : GlslWriter {
   }
 
   /// The call stands in no condition: a chain of objects, each in the one before, is as deep as one.
-  void emit_one_candidate(Id<Region> region, const CandidateGroup& group, const std::string& asked) {
+  /// `called`: the object's function, if it is not its usual one.
+  void emit_one_candidate(Id<Region> region, const CandidateGroup& group, const std::string& asked, const std::string& called) {
     const Candidate& candidate = group.candidates.front();
     const LocalBox& content = at(module_.objects, candidate.object).content;
     open("");
@@ -554,7 +575,7 @@ class Generator : GlslWriter {
     }
     if (!candidate.tiled) also(box_test(content, "q"));
     line("bool enter = {};", asked_here());
-    line("{};", call(candidate.object, "q", "level + 1u", "enter"));
+    line("{};", called.empty() ? call(candidate.object, "q", "level + 1u", "enter") : called + "(q, level + 1u, enter)");
     if (reaches()) {
       if (!candidate.tiled) line("if (enter && hit_number != 0u) {};", limit_box(content, "q", 1.0, 0.0));
       line("local = outer;");
@@ -579,7 +600,8 @@ class Generator : GlslWriter {
     return {fmt::format("in_extent(q, {})", extent), fmt::format("limit_box(q, -{0}, {0}, 1.0, 0.0)", extent)};
   }
 
-  void emit_candidate_loop(Id<Region> region, std::size_t g, const gpu::GroupRecord& record) {
+  /// With a `later` stage only the search for a candidate, which that stage then asks.
+  void emit_candidate_loop(Id<Region> region, std::size_t g, const gpu::GroupRecord& record, std::optional<std::uint32_t> later) {
     const CandidateGroup& group = at(module_.regions, region).groups[g];
     out_.uses.placements = true;
     const bool any_tiled = std::any_of(group.candidates.begin(), group.candidates.end(),
@@ -596,11 +618,16 @@ class Generator : GlslWriter {
     CubeTest cube = cube_test(objects, fmt::format("placement_tags({}u + c)", record.first_placement));
     line("uint i = range.x;");
     line("uint asked = 0u;");
-    open("while (i < range.y && hit_number == 0u)");
+    if (!later) open("while (i < range.y && hit_number == 0u)");
     line("uint c = 0u;");
     line("vec3 q = p;");
     line("bool held = false;");
     emit_search(record, any_tiled, candidates, cube);
+    if (later) {
+      line("if (held) next_stage = {}u;", fmt::format("{}", *later));
+      line("hit_unfinished = hit_unfinished || (!held && asked != range.y - range.x);");
+      return;
+    }
     open("if (held)");
     emit_calls(plan_.calls[region.index][g], record);
     if (reaches()) line("if (hit_number != 0u) {};", cube.limit);
@@ -707,7 +734,7 @@ class Generator : GlslWriter {
     if (one_region) {
       const Region& region = at(module_.regions, regions.front());
       if (region.number == 0) return;
-      const std::string condition = guarded(may_be_found ? "hit_number == 0u" : "");
+      const std::string condition = guarded(may_be_found ? nobody() : "");
       line("{}answer({}u, {}u, p, level);", condition.empty() ? "" : "if (" + condition + ") ",
            fmt::format("{}", regions.front().index), fmt::format("{}", region.number));
       return;
@@ -718,7 +745,92 @@ class Generator : GlslWriter {
       if (n != 0) line("if (region == {}u) number = {}u;", fmt::format("{}", region.index), fmt::format("{}", n));
     }
     line("if ({}) answer(region, number, p, level);",
-         guarded(may_be_found ? "hit_number == 0u && number != 0u" : "number != 0u"));
+         guarded(may_be_found ? nobody() + " && number != 0u" : "number != 0u"));
+  }
+
+  // ---- stages (compiler/stage_plan.h) ----
+
+  static std::string stage_name(std::uint32_t stage) { return fmt::format("stage_{}", stage); }
+
+  std::string nobody() const { return stage_ ? "hit_number == 0u && next_stage == 0u" : "hit_number == 0u"; }
+
+  void emit_stages() {
+    if (options_.stages) stages_ = plan_stages(module_, plan_, *options_.stages);
+    out_.stage_count = stages_.numbers.empty() ? 0 : static_cast<std::uint32_t>(stages_.numbers.size() + 1);
+    if (stages_.numbers.empty() || !options_.write_stages) return;
+    emit_stage(0, [&] {
+      const std::string root = emit_divided({}, module_.root);
+      open("void stage_0(vec3 p)");
+      line("{}(p, 0u);", root);
+      close();
+    });
+    for (const auto& [begin, number] : stages_.numbers) {
+      emit_stage(number, [&] { emit_stage_from(number, begin.first, begin.second); });
+    }
+    stage_.reset();
+  }
+
+  void emit_stage(std::uint32_t number, const auto& emit) {
+    stage_ = number;
+    divided_ = 0;
+    emit();
+    line("");
+    add(stage_name(number));
+    out_.stages.emplace_back();
+  }
+
+  /// From a group of a region on: the way to there is entered already.
+  void emit_stage_from(std::uint32_t number, const Way& way, std::size_t group) {
+    Continuation continued{.first = group, .way = &way, .last = emit_last(way)};
+    guard_.clear();
+    open(fmt::format("void {}(vec3 p)", stage_name(number)));
+    line("uint level = {}u;", fmt::format("{}", way.size() - 1));
+    for (std::size_t i = 0; i + 1 < way.size(); ++i) {
+      line("vec3 p_{} = p;", fmt::format("{}", i));
+      const Affine& affine = at(module_.regions, way[i]).groups.back().candidates.front().local_from_parent;
+      line("p = {};", affine_expression(affine, "p", options_.fold_affine));
+    }
+    emit_candidates(way.back(), true, continued);
+    for (std::size_t i = way.size(); i-- > 0;) {
+      const std::uint32_t answered = at(module_.regions, way[i]).number;
+      const std::string p = i + 1 == way.size() ? "p" : fmt::format("p_{}", i);
+      if (answered != 0) line("if ({}) answer({}u, {}u, {}, {}u);", nobody(), fmt::format("{}", way[i].index), fmt::format("{}", answered), p, fmt::format("{}", i));
+    }
+    close();
+  }
+
+  /// What is called for the one candidate of a region's last group, if that may be divided.
+  std::string emit_last(const Way& way) {
+    const auto object = last_object(module_, plan_, way.back());
+    return object ? emit_divided(way, *object) : "";
+  }
+
+  /// An object as a stage has it: where its regions' groups are divided off, the stages are told that hold them.
+  std::string emit_divided(const Way& way, Id<Object> id) {
+    const ObjectParts& parts = plan_.parts[id.index];
+    const bool one_region = parts.regions.size() == 1;
+    std::vector<Way> ways(parts.regions.size(), way);
+    for (std::size_t r = 0; r < ways.size(); ++r) ways[r].push_back(parts.regions[r]);
+    const std::string last = one_region ? emit_last(ways.front()) : "";
+    const std::string name = fmt::format("divided_{}_{}", *stage_, divided_++);
+    guard_ = way.empty() ? "" : "entered";
+    line("// {}", at(module_.objects, id).name);
+    open(fmt::format("void {}(vec3 p, uint level{})", name, guard_.empty() ? "" : ", bool entered"));
+    if (!one_region) emit_decisions(at(module_.objects, id).root, parts.has_flat_tree);
+    for (std::size_t r = 0; r < ways.size(); ++r) {
+      const Id<Region> region = parts.regions[r];
+      const auto later = one_region ? std::nullopt : stages_.stage_at(ways[r], 0);
+      if (later) {
+        line("if ({}) next_stage = {}u;", guarded(fmt::format("region == {}u", region.index)), fmt::format("{}", *later));
+      } else {
+        emit_candidates(region, one_region, {.asks_first = false, .way = one_region ? &ways[r] : nullptr, .last = last});
+      }
+    }
+    emit_own_answer(parts.regions, one_region);
+    close();
+    line("");
+    add(name);
+    return name;
   }
 
   // ---- colours ----
@@ -793,6 +905,9 @@ class Generator : GlslWriter {
   std::vector<bool> guarded_;  // objects whose function has a guard
   std::string guard_;          // of the function that is being written; "" if it has none
   std::string tape_walker_;      // empty if no function is a tape
+  StagePlan stages_;
+  std::optional<std::uint32_t> stage_;  ///< that is being written
+  std::uint32_t divided_ = 0;          ///< objects of it
   std::set<Id<Sdf>> emitted_;
   Families families_;
   std::vector<std::string> united_names_;               // of each family of objects

@@ -3,11 +3,13 @@
 
 #include <glm/vec4.hpp>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "compiler/compile.h"
 #include "compiler/flatten.h"
+#include "compiler/stage_options.h"
 #include "compiler/tapes.h"
 
 namespace dmvv::compiler {
@@ -35,13 +37,23 @@ struct GlslOptions {
   bool box_tests = true;    ///< leave out box tests that the standard cube already answers
   const Tapes* tapes = nullptr;  ///< functions that are tapes; none: all are written out
   bool unite_shapes = true;  ///< candidates' objects that are equal but for their numbers share one function
+  std::optional<StageOptions> stages;  ///< none: all pixels are evaluated by one kernel
+  bool write_stages = false;           ///< or only count them
   const std::vector<snippet::Steepness>* steepness = nullptr;  ///< of each SDF's source: for answers that tell how far they hold
+};
+
+struct StageText {
+  std::string glsl;
+  bool has_next;  ///< its pixels may go on to later stages
 };
 
 /// The evaluation of a module: `void evaluate(vec3 p)` and `vec4 color_of(uint region, vec3 p)` with what they call.
 struct Evaluation {
   std::string functions;  ///< the snippets, and `float call_function(uint function, vec3 q)` if the walker is in use
   std::string glsl;
+  std::uint32_t united_functions = 0;
+  std::uint32_t stage_count = 0;  ///< 0: there are none
+  std::vector<StageText> stages;  ///< the same in parts: stage k is `void stage_k(vec3 p)`, which may set next_stage
   std::vector<TimeFunction> time_functions;
   std::vector<glm::uvec4> parameters;          ///< of united functions (compiler/families.h)
   std::map<Id<Object>, std::uint32_t> united;  ///< what PlacementRecord::united says where such an object is a candidate
@@ -63,6 +75,9 @@ Evaluation generate_evaluation(const Module& module, const Records& records, con
 
 /// The complete text of a kernel: version, records, bindings in use, evaluation, main.
 std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Kernel kernel, RecordAccess access);
+
+/// Likewise, of the kernel `pixels` one of its stages.
+std::string generate_stage_glsl(const Evaluation& evaluation, std::uint32_t depth, std::size_t stage, RecordAccess access);
 
 /// What the buffer at this binding of set 0 is to the kernels that generate_glsl writes.
 BufferForm form_of(std::uint32_t binding, RecordAccess access);

@@ -82,6 +82,7 @@ std::string difference(const Counts& before, const Counts& after) {
 struct ListsFound {
   std::size_t lists = 0, entries = 0, cells = 0;
   std::uint32_t longest = 0;
+  std::size_t wished = 0, refined = 0;  ///< lookup grids of a size that their authors chose; those that have more cells
 };
 
 /// The transforms that stand in the code as constants, and the boxes tested there.
@@ -153,6 +154,21 @@ std::string texels_found(const Program& program, const CompileOptions& options) 
     if (buffer.form != BufferForm::records) names.push_back(buffer.name);
   }
   return names.empty() ? "nothing to do" : fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string refined(const ListsFound& found) {
+  if (found.wished == 0) return "nothing to do";
+  return fmt::format("{} of {} lookup grids have more cells than their authors chose", found.refined, found.wished);
+}
+
+std::string united_found(const Statistics& statistics) {
+  const std::uint32_t functions = statistics.united_functions;
+  if (functions == 0) return "nothing to do";
+  return fmt::format("{} objects share {} function{}", statistics.united_objects, functions, functions == 1 ? "" : "s");
+}
+
+std::string stages_found(const Statistics& statistics) {
+  return statistics.stages == 0 ? "nothing to do" : fmt::format("{} kernels for many frames, one for a single picture", statistics.stages);
 }
 
 /// run_passes, with what each did; those that the generator carries out are described from the module that it gets.
@@ -265,6 +281,8 @@ class StockTaking {
     bytes.cells += lookup.cells.size() * sizeof(std::uint32_t);
     bytes.lists += lookup.lists.size() * sizeof(std::uint32_t);
     if (boxes.size() < 2) return;
+    if (wish != glm::uvec3(0)) ++found.wished;
+    if (wish != glm::uvec3(0) && lookup.cells.size() - 1 > std::size_t{wish.x} * wish.y * wish.z) ++found.refined;
     ++found.lists;
     found.entries += boxes.size();
     found.cells += lookup.cells.size() - 1;
@@ -298,6 +316,9 @@ std::optional<Inventory> take_inventory(Module module, const CompileOptions& opt
   for (PassEffect& effect : result.passes) {
     if (effect.pass == "tapes" && effect.effect != "off") effect.effect = tapes_found(result.program);
     if (effect.pass == "shorten-tapes" && effect.effect != "off") effect.effect = cells_found(result.program);
+    if (effect.pass == "refine-index" && effect.effect != "off") effect.effect = refined(stock.found);
+    if (effect.pass == "unite-shapes" && effect.effect != "off") effect.effect = united_found(result.program.statistics);
+    if (effect.pass == "stages" && effect.effect != "off") effect.effect = stages_found(result.program.statistics);
     if (effect.pass == "texel-records" && effect.effect != "off") effect.effect = texels_found(result.program, options);
   }
   result.objects = std::move(stock.objects);

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "compiler/generate_glsl.h"
 #include "compiler/shader_text.h"
 #include "shaders/records.h"
@@ -67,7 +69,11 @@ BufferForm form_of(std::uint32_t binding, RecordAccess access) {
   }
 }
 
-std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Kernel kernel, RecordAccess access) {
+namespace {
+
+/// `stage`: of the kernel `pixels` this one alone.
+std::string kernel_text(const Evaluation& evaluation, std::uint32_t depth, Kernel kernel, RecordAccess access,
+                        std::optional<std::size_t> stage) {
   const Uses& uses = evaluation.uses;
   const bool own_filter = uses.grid_atlas && evaluation.filter != Filter::hardware;
   std::string text = "#version 460\n";
@@ -75,6 +81,8 @@ std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Ker
   if (kernel == Kernel::points) text += "#define DMVV_PATHS\n";
   if (uses.reach) text += "#define DMVV_REACH\n";
   if (kernel == Kernel::leaders) text += "#define DMVV_LEADERS\n";
+  if (stage) text += fmt::format("#define DMVV_STAGE {}\n", *stage);
+  if (stage && evaluation.stages[*stage].has_next) text += "#define DMVV_STAGES_FOLLOW\n";
   if (access == RecordAccess::texels) text += "#define DMVV_TEXELS\n";
   if (uses.lists) text += "#define DMVV_LISTS\n";
   if (uses.placements) text += "#define DMVV_PLACEMENTS\n";
@@ -90,15 +98,26 @@ std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Ker
   text += shader_text::access;
   if (kernel != Kernel::points) text += shader_text::surface;
   if (kernel != Kernel::points) text += shader_text::pixel_io;
+  if (stage) text += shader_text::queues;
   text += shader_text::evaluate;
   if (uses.reach) text += shader_text::reach;
   if (own_filter) text += shader_text::filter;
   text += evaluation.functions;
   if (uses.walker) text += evaluation.codegen == Codegen::thesis ? shader_text::walk_thesis : shader_text::walk;
   text += "\n// ---- the scene ----\n";
-  text += evaluation.glsl;
+  text += stage ? evaluation.stages[*stage].glsl + fmt::format("void evaluate(vec3 p) {{ stage_{}(p); }}\n", *stage) : evaluation.glsl;
   text += kernel == Kernel::points ? shader_text::points : shader_text::pixels;
   return text;
+}
+
+}  // namespace
+
+std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Kernel kernel, RecordAccess access) {
+  return kernel_text(evaluation, depth, kernel, access, std::nullopt);
+}
+
+std::string generate_stage_glsl(const Evaluation& evaluation, std::uint32_t depth, std::size_t stage, RecordAccess access) {
+  return kernel_text(evaluation, depth, Kernel::pixels, access, stage);
 }
 
 }  // namespace dmvv::compiler

@@ -117,6 +117,8 @@ struct Statistics {
   double atlas_fill = 0.0;  ///< share of the grid atlas that holds samples or borders
   std::uint32_t glsl_lines = 0;
   std::uint32_t inlined_lines = 0;  ///< estimate of the kernel after inlining
+  std::uint32_t stages = 0;         ///< of `pixels`, in programs that draw many frames; 0: it is one kernel
+  std::uint32_t united_objects = 0, united_functions = 0;  ///< objects that share one, and how many they share
   std::vector<std::string> object_codegen;  ///< "ORANGE: specialised", ... with the reason where it was cut
   std::vector<std::string> tapes;           ///< "SKIN: 8123 steps; ...": what became of each large snippet
 };
@@ -133,12 +135,20 @@ std::vector<float> time_values(std::span<const TimeFunction> functions, double t
 
 class Judge;
 
+/// A part of the kernel `pixels` with a list of pixels of its own (compiler/stage_plan.h).
+struct Stage {
+  std::string glsl;
+  std::vector<std::uint32_t> spirv;  ///< empty if `pixels` was not asked for
+  bool has_next;                     ///< its pixels may go on to later stages
+};
+
 struct Program {
   Codegen codegen = Codegen::automatic;
   std::vector<Buffer> buffers;
   std::vector<Texture> textures;
   std::string glsl[kernel_count];
-  std::vector<std::uint32_t> spirv[kernel_count];  ///< empty for a kernel that was not asked for
+  std::vector<std::uint32_t> spirv[kernel_count];  ///< empty for a kernel that was not asked for, or is there in stages
+  std::vector<Stage> stages;                       ///< `pixels` in parts, if there are any: stage 0 takes all pixels
   std::vector<RegionInfo> regions;                 ///< every region of the module, in its order
   std::uint32_t depth = 1;                         ///< most steps a path can have
   std::vector<TimeFunction> time_functions;        ///< empty in a static scene: then there is no time in its shader

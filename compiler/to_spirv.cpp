@@ -23,9 +23,7 @@ std::string validate(const std::vector<std::uint32_t>& spirv) {
   return tools.Validate(spirv) ? std::string() : "spirv-val: " + log;
 }
 
-Result<void> compile_kernel(Program& program, Kernel kernel, const CodeCache& cache) {
-  const std::string& glsl = program.glsl[static_cast<std::size_t>(kernel)];
-  std::vector<std::uint32_t>& code = program.spirv[static_cast<std::size_t>(kernel)];
+Result<void> compile_text(const std::string& glsl, std::vector<std::uint32_t>& code, const CodeCache& cache) {
   const std::string key = code_key(ShaderStage::compute, glsl);
   code = find_code(cache, key);
   if (!code.empty()) return {};
@@ -37,6 +35,18 @@ Result<void> compile_kernel(Program& program, Kernel kernel, const CodeCache& ca
   return {};
 }
 
+Result<void> compile_kernel(Program& program, Kernel kernel, const CodeCache& cache) {
+  const auto k = static_cast<std::size_t>(kernel);
+  return compile_text(program.glsl[k], program.spirv[k], cache);
+}
+
+Result<void> compile_stages(Program& program, const CodeCache& cache) {
+  for (Stage& stage : program.stages) {
+    if (auto made = compile_text(stage.glsl, stage.spirv, cache); !made) return made;
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<void> to_spirv(Program& program, Kernel kernel, const CodeCache& cache) {
@@ -44,7 +54,8 @@ Result<void> to_spirv(Program& program, Kernel kernel, const CodeCache& cache) {
   if (kernel == Kernel::pixels && has_leaders) {
     if (auto made = compile_kernel(program, Kernel::leaders, cache); !made) return made;
   }
-  return compile_kernel(program, kernel, cache);
+  const bool in_stages = kernel == Kernel::pixels && !program.stages.empty();
+  return in_stages ? compile_stages(program, cache) : compile_kernel(program, kernel, cache);
 }
 
 }  // namespace dmvv::compiler

@@ -185,6 +185,8 @@ Evaluator::Impl::Impl(const Device::Impl& device, const compiler::Program& progr
       has_bitmaps(std::ranges::find(program.textures, std::uint32_t{DMVV_BIND_BITMAP_ATLAS}, &compiler::Texture::binding) !=
                   program.textures.end()) {
   for (std::size_t i = 0; i < code.size(); ++i) code[i] = program.spirv[i];
+  stages = program.stages;
+  for (compiler::Stage& stage : stages) stage.glsl.clear();
   upload(program);
   bind_scene(program);
 }
@@ -292,11 +294,13 @@ vk::raii::DescriptorSet Evaluator::Impl::make_set(const vk::raii::DescriptorPool
 Result<KernelPipeline> Evaluator::Impl::make_kernel(Kernel kernel, std::span<const vk::DescriptorType> io,
                                                     std::uint32_t params_bytes,
                                                     std::span<const vk::Bool32> constants) const {
-  const auto& words = code[static_cast<std::size_t>(kernel)];
-  if (words.empty()) {
-    return fail(Fault::environment, fmt::format("the program was compiled without its kernel '{}'",
-                                                kernel == Kernel::points ? "points" : "pixels"));
-  }
+  return make_kernel(code[static_cast<std::size_t>(kernel)], kernel == Kernel::points ? "points" : "pixels", io, params_bytes, constants);
+}
+
+Result<KernelPipeline> Evaluator::Impl::make_kernel(std::span<const std::uint32_t> words, std::string_view name,
+                                                    std::span<const vk::DescriptorType> io, std::uint32_t params_bytes,
+                                                    std::span<const vk::Bool32> constants) const {
+  if (words.empty()) return fail(Fault::environment, fmt::format("the program was compiled without its kernel '{}'", name));
   return make_pipeline(words, io, params_bytes, constants);
 }
 

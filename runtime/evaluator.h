@@ -50,6 +50,7 @@ struct Frame {
   GpuImage color, bytes, region;  ///< those that are not wanted have one pixel
   GpuImage leader_place, leader_color, leader_region;  ///< of each tile of DMVV_LEADER_TILE; likewise
   GpuBuffer list;                 ///< PixelListHeader, then a word a pixel
+  GpuBuffer queues, next_stages;  ///< of programs in stages (shaders/queues.glsl); else nothing
   GpuBuffer readback;             ///< positions if wanted, colours, region numbers if wanted, a PixelListHeader
   GpuBuffer slice_surface;        ///< made for the first slice
   vk::raii::DescriptorPool pool{nullptr};
@@ -85,6 +86,7 @@ std::optional<Error> time_fault(double time_ms);
 struct Evaluator::Impl {
   const Device::Impl& gpu;
   std::array<std::vector<std::uint32_t>, compiler::kernel_count> code;
+  std::vector<compiler::Stage> stages;  ///< if there are any, in place of the kernel `pixels`
   std::uint32_t depth;
 
   std::vector<compiler::TimeFunction> time_functions;
@@ -103,8 +105,9 @@ struct Evaluator::Impl {
   vk::raii::DescriptorSet scene_set{nullptr};
 
   // Made when first needed.
-  std::optional<KernelPipeline> points, list, count_groups, classify, count_hits;
-  std::map<std::array<vk::Bool32, 3>, KernelPipeline> pixels, leaders, follow, paint;  ///< by the specialisation constants
+  std::optional<KernelPipeline> points, list, count_groups, classify, count_hits, distribute, count_stages;
+  std::map<std::array<vk::Bool32, 3>, std::vector<KernelPipeline>> pixels;  ///< by the specialisation constants: each stage, or all
+  std::map<std::array<vk::Bool32, 3>, KernelPipeline> leaders, follow, paint;  ///< likewise
   std::optional<Verdicts> verdicts;
   Trials courses{Course::count, Course{.classifies = true, .leads = false}.number()};
   double compile_ms = 0.0, drawn_ms = 0.0;  ///< what the pixels' kernel took to compile; what frames have taken since
@@ -116,6 +119,9 @@ struct Evaluator::Impl {
   /// `constants` are the specialisation constants 0, 1, ...
   Result<KernelPipeline> make_kernel(compiler::Kernel kernel, std::span<const vk::DescriptorType> io,
                                      std::uint32_t params_bytes, std::span<const vk::Bool32> constants = {}) const;
+  Result<KernelPipeline> make_kernel(std::span<const std::uint32_t> words, std::string_view name,
+                                     std::span<const vk::DescriptorType> io, std::uint32_t params_bytes,
+                                     std::span<const vk::Bool32> constants) const;
   KernelPipeline make_pipeline(std::span<const std::uint32_t> words, std::span<const vk::DescriptorType> io,
                                std::uint32_t params_bytes, std::span<const vk::Bool32> constants,
                                const vk::raii::DescriptorSetLayout* verdict_layout = nullptr) const;
@@ -135,6 +141,7 @@ struct Evaluator::Impl {
                        Timings* timings);
   Frame make_frame(vk::Extent2D extent, const Wanted& wanted) const;
   bool has_leaders() const { return !code[static_cast<std::size_t>(compiler::Kernel::leaders)].empty(); }
+  Result<void> make_pixels(const std::array<vk::Bool32, 3>& constants);
   Course choose_course(const FramePasses& passes);
   void make_verdicts(const Wanted& wanted);
   void make_leaders(const Wanted& wanted);

@@ -10,6 +10,8 @@
 #include "spirv/classify_comp.h"
 #include "spirv/count_groups_comp.h"
 #include "spirv/count_hits_comp.h"
+#include "spirv/count_stages_comp.h"
+#include "spirv/distribute_comp.h"
 #include "spirv/follow_comp.h"
 #include "spirv/list_comp.h"
 #include "spirv/paint_bitmaps_comp.h"
@@ -28,7 +30,8 @@ constexpr std::uint32_t tile_budget_px = 1u << 21;  // some 220 MiB of images an
 constexpr glm::uvec2 warm_up_px{DMVV_PIXELS_BLOCK, DMVV_PIXELS_BLOCK};
 constexpr auto storage_image = vk::DescriptorType::eStorageImage;
 constexpr std::array pixel_io{storage_image, storage_image, storage_image, storage_image, vk::DescriptorType::eStorageBuffer,
-                              storage_image, storage_image, storage_image};
+                              storage_image, storage_image, storage_image, vk::DescriptorType::eStorageBuffer,
+                              vk::DescriptorType::eStorageBuffer};
 
 constexpr vk::ImageSubresourceLayers color_layer{vk::ImageAspectFlagBits::eColor, 0, 0, 1};
 constexpr vk::ImageSubresourceRange color_range{vk::ImageAspectFlagBits::eColor, 0, 1, 0, 1};
@@ -270,6 +273,10 @@ Frame Evaluator::Impl::make_frame(vk::Extent2D extent, const Wanted& wanted) con
                               BufferUse::eStorageBuffer | BufferUse::eIndirectBuffer | BufferUse::eTransferSrc |
                                   BufferUse::eTransferDst,
                               MemoryUse::device);
+  const std::size_t queued = stages.empty() ? 0 : stages.size() - 1;
+  made.queues = gpu.make_buffer(sizeof(gpu::QueueHeader) + 4 * queued * count,
+                                BufferUse::eStorageBuffer | BufferUse::eIndirectBuffer | BufferUse::eTransferDst, MemoryUse::device);
+  made.next_stages = gpu.make_buffer(stages.empty() ? 4 : 4 * count, BufferUse::eStorageBuffer, MemoryUse::device);
   made.readback = gpu.make_buffer(ReadbackLayout(count, wanted).bytes, BufferUse::eTransferDst, MemoryUse::readback);
   made.pool = make_pool(pixel_io);
   made.io_set = make_set(made.pool, list->io_layout);
@@ -289,13 +296,18 @@ Frame Evaluator::Impl::make_frame(vk::Extent2D extent, const Wanted& wanted) con
   write_image(DMVV_BIND_LEADER_PLACE, made.leader_place);
   write_image(DMVV_BIND_LEADER_COLOR, made.leader_color);
   write_image(DMVV_BIND_LEADER_REGION, made.leader_region);
-  const vk::DescriptorBufferInfo list_info{*made.list.buffer, 0, VK_WHOLE_SIZE};
-  gpu.device.updateDescriptorSets(vk::WriteDescriptorSet{.dstSet = *made.io_set,
-                                                         .dstBinding = DMVV_BIND_LIST,
-                                                         .descriptorCount = 1,
-                                                         .descriptorType = vk::DescriptorType::eStorageBuffer,
-                                                         .pBufferInfo = &list_info},
-                                  nullptr);
+  const auto write_buffer = [&](std::uint32_t binding, const GpuBuffer& written) {
+    const vk::DescriptorBufferInfo info{*written.buffer, 0, VK_WHOLE_SIZE};
+    gpu.device.updateDescriptorSets(vk::WriteDescriptorSet{.dstSet = *made.io_set,
+                                                           .dstBinding = binding,
+                                                           .descriptorCount = 1,
+                                                           .descriptorType = vk::DescriptorType::eStorageBuffer,
+                                                           .pBufferInfo = &info},
+                                    nullptr);
+  };
+  write_buffer(DMVV_BIND_LIST, made.list);
+  write_buffer(DMVV_BIND_QUEUES, made.queues);
+  write_buffer(DMVV_BIND_NEXT, made.next_stages);
   return made;
 }
 
@@ -312,6 +324,24 @@ void Evaluator::Impl::make_verdicts(const Wanted& wanted) {
   const auto constants = kernel_constants(wanted, {});
   if (paint.contains(constants)) return;
   paint.emplace(constants, has_bitmaps ? make(paint_bitmaps_comp, constants) : make(paint_comp, constants));
+}
+
+Result<void> Evaluator::Impl::make_pixels(const std::array<vk::Bool32, 3>& constants) {
+  std::vector<std::span<const std::uint32_t>> codes;
+  for (const compiler::Stage& stage : stages) codes.emplace_back(stage.spirv);
+  if (codes.empty()) codes.emplace_back(code[static_cast<std::size_t>(compiler::Kernel::pixels)]);
+  std::vector<KernelPipeline> made;
+  for (const auto words : codes) {
+    auto kernel = make_kernel(words, "pixels", pixel_io, sizeof(gpu::PixelsParams), constants);
+    if (!kernel) return tl::unexpected(std::move(kernel.error()));
+    made.push_back(std::move(*kernel));
+  }
+  if (!stages.empty() && !distribute) {
+    distribute = make_pipeline(distribute_comp, pixel_io, sizeof(gpu::PixelsParams), {});
+    count_stages = make_pipeline(count_stages_comp, pixel_io, sizeof(gpu::PixelsParams), {});
+  }
+  pixels.emplace(constants, std::move(made));
+  return {};
 }
 
 /// Made when it is known to pay.
@@ -332,6 +362,7 @@ void Evaluator::Impl::prepare_images(const vk::raii::CommandBuffer& commands, bo
                             begin_writing(frame->region, kept && frame->wanted.regions),
                             begin_writing(frame->leader_place, false), begin_writing(frame->leader_color, false),
                             begin_writing(frame->leader_region, false)});
+  if (!stages.empty()) commands.fillBuffer(*frame->queues.buffer, 0, sizeof(gpu::QueueHeader), 0);
   const vk::ClearColorValue empty{}, unknown{std::array{0.0f, 0.0f, 0.0f, -1.0f}};
   if (clears) {  // what is not evaluated is empty
     commands.clearColorImage(as_bytes ? *frame->bytes.image : *frame->color.image, Layout::eGeneral, empty, color_range);
@@ -364,13 +395,26 @@ class TileKernels {
   /// Over the pixels of a list, once `count` has said how many groups they take.
   void run_over(std::uint32_t listed, const KernelPipeline& kernel, const Verdicts* verdicts = nullptr) {
     params_.listed_kind = listed;
-    bind(kernel, verdicts);
-    commands_.dispatchIndirect(*frame_.list.buffer, listed * sizeof(gpu::DispatchGroups));
+    run_indirect(kernel, frame_.list, listed * sizeof(gpu::DispatchGroups), verdicts);
   }
   void count(const KernelPipeline& count_groups) {
     wait();
     run(count_groups, 1);
     wait(vk::AccessFlagBits::eIndirectCommandRead, Stage::eDrawIndirect);
+  }
+  /// Stage after stage, the first over the pixels of a list.
+  void run_stages(std::uint32_t listed, const std::vector<KernelPipeline>& kernels, const std::vector<compiler::Stage>& stages,
+                  const KernelPipeline& distribute, const KernelPipeline& count_stages) {
+    params_.listed_kind = listed;
+    count(count_stages);
+    for (std::uint32_t stage = 0; stage < stages.size(); ++stage) {
+      params_.stage = stage;
+      run_indirect(kernels[stage], frame_.queues, offsetof(gpu::QueueHeader, groups) + stage * sizeof(gpu::DispatchGroups));
+      if (!stages[stage].has_next) continue;
+      wait();
+      run_indirect(distribute, frame_.queues, offsetof(gpu::QueueHeader, runs) + stage * sizeof(gpu::DispatchGroups));
+      count(count_stages);
+    }
   }
   void wait(vk::AccessFlags more = {}, vk::PipelineStageFlags stages = {}) {
     const vk::MemoryBarrier written{.srcAccessMask = Access::eShaderWrite,
@@ -379,6 +423,10 @@ class TileKernels {
   }
 
  private:
+  void run_indirect(const KernelPipeline& kernel, const GpuBuffer& groups, vk::DeviceSize offset, const Verdicts* verdicts = nullptr) {
+    bind(kernel, verdicts);
+    commands_.dispatchIndirect(*groups.buffer, offset);
+  }
   void bind(const KernelPipeline& kernel, const Verdicts* verdicts) {
     constexpr auto compute = vk::PipelineBindPoint::eCompute;
     commands_.bindPipeline(compute, *kernel.pipeline);
@@ -403,7 +451,8 @@ void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, con
   prepare_images(commands, kept, passes.pixel_list && !kept, course);
   TileKernels kernels(commands, *frame, scene_set, params);
   const auto constants = kernel_constants(frame->wanted, passes);
-  if (!passes.pixel_list) return kernels.run(pixels.at(constants), kernels.blocks());
+  const std::vector<KernelPipeline>& evaluation = pixels.at(constants);
+  if (!passes.pixel_list && stages.empty()) return kernels.run(evaluation.front(), kernels.blocks());
 
   const Verdicts* proven = course.classifies ? &*verdicts : nullptr;
   const std::uint32_t runs = kernels.blocks() * DMVV_PIXELS_BLOCK;
@@ -417,7 +466,8 @@ void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, con
     kernels.count(*count_groups);
   }
   const std::uint32_t evaluated = course.leads ? DMVV_LEFT : DMVV_TO_EVALUATE;
-  kernels.run_over(evaluated, pixels.at(constants));
+  if (stages.empty()) kernels.run_over(evaluated, evaluation.front());
+  else kernels.run_stages(evaluated, evaluation, stages, *distribute, *count_stages);
   if (proven == nullptr) return;
   kernels.run_over(evaluated, *count_hits, proven);
   if (course.leads) kernels.run_over(DMVV_LEADERS_OF_TILES, *count_hits, proven);
@@ -451,6 +501,7 @@ double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const Fr
   const Course course = choose_course(passes);
   if (course.leads) make_leaders(frame->wanted);
   params.has_leaders = course.leads;
+  params.lists_all = passes.pixel_list ? 0 : 1;
   if (course.classifies) {
     make_verdicts(frame->wanted);
     verdicts->begin_frame(now_ms);
@@ -496,9 +547,7 @@ Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, con
     count_groups = make_pipeline(count_groups_comp, pixel_io, sizeof(gpu::PixelsParams), {});
   }
   if (!has_kernel) {
-    auto made = make_kernel(compiler::Kernel::pixels, pixel_io, sizeof(gpu::PixelsParams), constants);
-    if (!made) return tl::unexpected(std::move(made.error()));
-    pixels.emplace(constants, std::move(*made));
+    if (auto made = make_pixels(constants); !made) return tl::unexpected(std::move(made.error()));
   }
   if (!has_frame) {
     frame.reset();

@@ -9,6 +9,9 @@ vec3 hit_p = vec3(0.0);        // the point in that region's object
 // A loop ended before its list did: lavapipe grants a group of points 65,535 rounds in all. Whether a loop came to its
 // end is noted within it: what follows from its condition, the driver's compiler takes for granted behind it.
 bool hit_unfinished = false;
+#ifdef DMVV_STAGE
+uint next_stage = 0u;  // where the point goes on; 0: nowhere
+#endif
 #ifdef DMVV_PATHS
 uint hit_levels = 0u;
 uint hit_path[2 * DMVV_DEPTH];  // (region, candidate) a level

@@ -38,6 +38,7 @@ uvec2 block_corner(uint block) {
 bool is_in_picture(uvec2 pixel) { return pixel.x < params.width && pixel.y < params.height; }
 
 // The pixel of this invocation; false: there is none.
+#ifndef DMVV_STAGE
 bool find_pixel(out uvec2 pixel) {
   uint i = gl_GlobalInvocationID.x;
   if (listed) {
@@ -49,6 +50,7 @@ bool find_pixel(out uvec2 pixel) {
   pixel = block_corner(i / DMVV_PIXELS_GROUP_SIZE) + uvec2(within % DMVV_PIXELS_BLOCK, within / DMVV_PIXELS_BLOCK);
   return is_in_picture(pixel);
 }
+#endif
 
 // The point of root coordinates that a surface texel stands for.
 vec3 surface_point(uvec4 surface) { return clamp(surface_position(surface), params.bounds_lo.xyz, params.bounds_hi.xyz); }

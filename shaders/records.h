@@ -45,6 +45,11 @@ using uvec4 = glm::uvec4;
 #define DMVV_BIND_LEADER_COLOR 6   // rgba32f
 #define DMVV_BIND_LEADER_REGION 7  // r32ui
 
+// of programs in stages (compiler/stage_plan.h)
+#define DMVV_BIND_QUEUES 8     // QueueHeader, then the pixels of stages 1, 2, ..., with room for all of a tile each
+#define DMVV_BIND_NEXT 9       // uint[]: of each pixel of the stage that ran last the stage it goes on to; 0: none
+#define DMVV_MOST_STAGES 16
+
 // ---- bindings of descriptor set 2 of `classify`: two trees of verdicts, one for ever, one for a span of time ----
 #define DMVV_BIND_VERDICT_WORDS 0
 #define DMVV_BIND_VERDICT_HITS 1  // uint[] like the words: pixels that were left to be evaluated
@@ -102,7 +107,8 @@ struct PixelsParams {
   uint paints_bitmaps;     // `classify`: 0: decided pixels of regions with bitmaps are evaluated all the same
   uint has_leaders;        // `list`, `classify`: 1 if leaders have a list of their own
   uint listed_kind;        // the list whose pixels are this kernel's
-  uint pad0, pad1;
+  uint lists_all;          // `list`: 1 if pixels without a surface are listed too
+  uint stage;              // `distribute`: whose pixels go on
 };
 
 // What `list` or `classify` counts, and indirect dispatches read. An entry has two words: x, and y in the upper half; then what
@@ -124,6 +130,12 @@ struct PixelListHeader {
   uint pad0, pad1, pad2;
 };
 #define DMVV_NO_CELL 0xffffffffu
+// What `distribute` counts, and indirect dispatches read.
+struct QueueHeader {
+  DispatchGroups groups[DMVV_MOST_STAGES];  // of each stage
+  DispatchGroups runs[DMVV_MOST_STAGES];    // of `distribute` over each stage's pixels
+  uint counts[DMVV_MOST_STAGES];            // pixels; of stage 0 none: its pixels are those of a list
+};
 
 // The highest bit of a surface texel's w: there is a surface.
 #define DMVV_SURFACE_BIT 0x80000000u
@@ -213,6 +225,7 @@ struct PlacementRecord {
 static_assert(sizeof(PointsParams) == 16);
 static_assert(sizeof(PixelsParams) == 96);
 static_assert(sizeof(PixelListHeader) == 80);
+static_assert(sizeof(QueueHeader) == 28 * DMVV_MOST_STAGES);
 static_assert(sizeof(AffineRows) == 48);
 static_assert(sizeof(NodeRecord) == 16);
 static_assert(sizeof(SdfRecord) == 128);

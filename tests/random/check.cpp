@@ -135,6 +135,7 @@ std::optional<Fault> check_setting(runtime::Device& device, const compiler::Modu
   Diagnostics diagnostics;
   compiler::CompileOptions form = setting.options;
   form.many_frames = true;
+  form.stages = {.least_program_lines = 0, .least_lines = 1};
   auto program = compiler::compile(module, form, diagnostics);
   if (!program) return fault(Fault::Kind::refused, diagnostics.render());
   for (const auto kernel : {compiler::Kernel::points, compiler::Kernel::pixels}) {
