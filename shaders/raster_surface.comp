@@ -84,21 +84,34 @@ uvec4 surface_at(Screen screen, uint number, vec2 middle) {
   return pack_surface(p + weights.y * (q - p) + weights.z * (r - p), sum < 0.0 ? normal : -normal);
 }
 
+// The set bits of `which`, pixels below each other: what they show. Loops of their own: lavapipe runs all code of a loop for
+// eight columns in each round.
 void main() {
   Screen screen = this_screen();
   Section section = this_section();
   uvec2 first = gl_GlobalInvocationID.xy * uvec2(1u, DMVV_COLUMN_PX);
   if (first.x >= screen.size.x) return;
-  for (uint y = first.y; y < min(first.y + DMVV_COLUMN_PX, screen.size.y); ++y) {
-    uvec2 pixel = uvec2(first.x, y);
-    uint index = pixel_index(screen, pixel);
-    uint64_t key = nearest[index];
-    vec2 middle = vec2(pixel) + screen.corner;
-    bool is_seen = key != 0;
-    uvec4 texel = surface_at(screen, is_seen ? ~uint(key) & DMVV_DRAWN_TRIANGLE : 0u, middle);
-    if (!is_seen) texel = uvec4(0u);
+  uint rows = min(DMVV_COLUMN_PX, screen.size.y - first.y), seen = 0u, capped = 0u;
+  for (uint y = 0u; y < rows; ++y) {
+    uint index = pixel_index(screen, first + uvec2(0u, y));
+    bool is_seen = nearest[index] != 0;
     // Where the eye is removed, all that stays lies behind the caps; where it is left, all that stays lies before them.
-    if (counts_shells && shells[index] != 0 && (screen.from_outside || !is_seen)) texel = cap_at(screen, section, middle);
-    imageStore(surface_image, ivec2(pixel), texel);
+    bool is_capped = counts_shells && (screen.from_outside || !is_seen) && shells[index] != 0;
+    if (is_capped) capped |= 1u << y;
+    else if (is_seen) seen |= 1u << y;
+  }
+  for (uint left = seen; left != 0u; left &= left - 1u) {
+    uvec2 pixel = first + uvec2(0u, findLSB(left));
+    uint number = ~uint(nearest[pixel_index(screen, pixel)]) & DMVV_DRAWN_TRIANGLE;
+    imageStore(surface_image, ivec2(pixel), surface_at(screen, number, vec2(pixel) + screen.corner));
+  }
+  if (counts_shells) {
+    for (uint left = capped; left != 0u; left &= left - 1u) {
+      uvec2 pixel = first + uvec2(0u, findLSB(left));
+      imageStore(surface_image, ivec2(pixel), cap_at(screen, section, vec2(pixel) + screen.corner));
+    }
+  }
+  for (uint left = ~(seen | capped) & ((1u << rows) - 1u); left != 0u; left &= left - 1u) {
+    imageStore(surface_image, ivec2(first + uvec2(0u, findLSB(left))), uvec4(0u));
   }
 }
