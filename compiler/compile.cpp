@@ -150,6 +150,7 @@ const std::vector<PassInfo>& pass_names() {
       {"refine-index", "an author's lookup grid has no fewer cells than the compiler would choose"},
       {"fold-affine", "identities, translations and scalings are written as such"},
       {"unite-shapes", "objects of a group that are equal but for their numbers share one function"},
+      {"sink-answers", "loops over candidates only find the one that answers; what it answers is evaluated behind them"},
       {"box-tests", "box tests that the standard cube already answers are left out"},
       {"stages", "pixels are evaluated by several kernels, each with the code of what its pixels came to"},
       {"tapes", "large snippets are tapes that one loop walks, instead of code"},
@@ -209,6 +210,7 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
                                  : std::vector<snippet::Steepness>{};
   const GlslOptions glsl_options{options.codegen, options.inlined_line_budget, options.costs, enabled(options, "fold-affine"),
                                  enabled(options, "box-tests"), &tapes,
+                                 writes_code(options) && enabled(options, "sink-answers"),
                                  writes_code(options) && enabled(options, "unite-shapes"),
                                  in_stages(options) ? std::optional(options.stages) : std::nullopt, options.many_frames,
                                  reaches ? &steepness : nullptr};
@@ -219,6 +221,10 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   program.statistics.inlined_lines = evaluation.inlined_lines;
   program.statistics.stages = evaluation.stage_count;
   program.statistics.united_objects = static_cast<std::uint32_t>(evaluation.united.size());
+  for (const auto& [object, is_sunk] : evaluation.listed) {
+    ++program.statistics.listed_objects;
+    program.statistics.sunk_objects += is_sunk;
+  }
   program.statistics.united_functions = evaluation.united_functions;
   program.statistics.object_codegen = std::move(evaluation.object_codegen);
   program.statistics.atlas_fill = grid_atlas->fill;

@@ -104,7 +104,7 @@ class Generator : GlslWriter {
     out_.parameters = families_.parameters();
     out_.uses.parameters = !out_.parameters.empty();
     for (const auto& [object, family] : united_objects_) {
-      out_.united.emplace(object, families_.row(object_name(object)) << DMVV_FAMILY_BITS | family);
+      out_.united.emplace(object, families_.row(listed_name(object)) << DMVV_FAMILY_BITS | family);
     }
     out_.uses.tapes = !tape_walker_.empty();
     out_.functions = tape_walker_;
@@ -440,7 +440,80 @@ class Generator : GlslWriter {
     close();
     line("");
     add(object_name(id));
+    if (sinks(id)) emit_in_two_steps(id);
   }
+
+  // ---- objects in two steps: whether they answer, and what ----
+
+  /// What becomes of a point at a node or below it, as far as the decisions tell.
+  enum class Outcome : std::uint8_t { misses, answers, either };
+
+  Outcome outcome_of(Id<Node> id) {
+    if (const auto known = outcomes_.find(id); known != outcomes_.end()) return known->second;
+    const auto& content = at(module_.nodes, id).content;
+    Outcome outcome = Outcome::either;
+    if (const auto* leaf = std::get_if<Id<Region>>(&content)) {
+      const Region& region = at(module_.regions, *leaf);
+      if (region.number != 0) outcome = Outcome::answers;  // its own colour at least
+      else if (region.groups.empty()) outcome = Outcome::misses;
+    } else {
+      const auto& decision = std::get<Decision>(content);
+      const Outcome negative = outcome_of(decision.negative), positive = outcome_of(decision.positive);
+      if (negative == positive) outcome = negative;
+    }
+    outcomes_.emplace(id, outcome);
+    return outcome;
+  }
+
+  /// Do the object's decisions tell, before what it embeds is asked, whether it answers?
+  bool sinks(Id<Object> id) {
+    const ObjectParts& parts = plan_.parts[id.index];
+    if (!options_.sink_answers || plan_.cut[id.index] || parts.has_flat_tree) return false;
+    const Outcome outcome = outcome_of(at(module_.objects, id).root);
+    const bool is_told = std::ranges::all_of(parts.regions, [&](Id<Region> region) {
+      return at(module_.regions, region).number != 0 || at(module_.regions, region).groups.empty();
+    });
+    return is_told && outcome != Outcome::misses;
+  }
+
+  /// With `inside` false, whether it answers; then, with `inside` true, it does.
+  void emit_in_two_steps(Id<Object> id) {
+    const ObjectParts& parts = plan_.parts[id.index];
+    const Id<Node> root = at(module_.objects, id).root;
+    const bool one_region = parts.regions.size() == 1;
+    guard_.clear();
+    line("// {}", at(module_.objects, id).name);
+    open(fmt::format("bool {}(vec3 p, uint level, bool inside)", listed_name(id)));
+    line("bool answers = inside || {};", entrance(root));
+    open("if (inside)");
+    is_inside_ = true;
+    if (!one_region) emit_decisions(root, false);
+    is_inside_ = false;
+    for (const Id<Region> region : parts.regions) emit_candidates(region, one_region);
+    emit_own_answer(parts.regions, one_region);
+    close();
+    line("return answers;");
+    close();
+    line("");
+    add(listed_name(id));
+  }
+
+  /// Whether a point answers, as one expression.
+  std::string entrance(Id<Node> id) {
+    const Outcome outcome = outcome_of(id);
+    if (outcome != Outcome::either) return outcome == Outcome::answers ? "true" : "false";
+    const auto& decision = std::get<Decision>(at(module_.nodes, id).content);
+    const std::string test = sdf_name(decision.sdf) + "(p)";
+    const std::string negative = entrance(decision.negative), positive = entrance(decision.positive);
+    if (negative == "true") return positive == "false" ? test : fmt::format("({} || {})", test, positive);
+    if (negative == "false") return positive == "true" ? "!" + test : fmt::format("(!{} && {})", test, positive);
+    if (positive == "true") return fmt::format("(!{} || {})", test, negative);
+    if (positive == "false") return fmt::format("({} && {})", test, negative);
+    return fmt::format("({} ? {} : {})", test, negative, positive);
+  }
+
+  /// The function that a list calls for an object.
+  std::string listed_name(Id<Object> id) { return object_name(id) + (sinks(id) ? "_listed" : ""); }
 
   /// `condition` where the object's code is guarded also that it is asked; "" is no condition.
   std::string guarded(const std::string& condition) const {
@@ -507,6 +580,8 @@ class Generator : GlslWriter {
       return;
     }
     const auto& decision = std::get<Decision>(at(module_.nodes, id).content);
+    if (is_inside_ && outcome_of(decision.positive) == Outcome::misses) return emit_tree(decision.negative);
+    if (is_inside_ && outcome_of(decision.negative) == Outcome::misses) return emit_tree(decision.positive);
     open(fmt::format("if ({}(p))", sdf_name(decision.sdf)));
     emit_tree(decision.negative);
     otherwise();
@@ -618,25 +693,40 @@ class Generator : GlslWriter {
     CubeTest cube = cube_test(objects, fmt::format("placement_tags({}u + c)", record.first_placement));
     line("uint i = range.x;");
     line("uint asked = 0u;");
-    if (!later) open("while (i < range.y && hit_number == 0u)");
     line("uint c = 0u;");
     line("vec3 q = p;");
-    line("bool held = false;");
-    emit_search(record, any_tiled, candidates, cube);
     if (later) {
+      line("bool held = false;");
+      emit_search(record, any_tiled, candidates, cube);
       line("if (held) next_stage = {}u;", fmt::format("{}", *later));
       line("hit_unfinished = hit_unfinished || (!held && asked != range.y - range.x);");
       return;
     }
+    const Calls calls = calls_of(plan_.calls[region.index][g], record);
+    const auto emit_way = [&](const std::string& condition) {
+      if (reaches()) line("{}{};", condition, cube.limit);
+      line("{}came_through({}u, {}, level);", condition, fmt::format("{}", region.index),
+           group.first_number == 0 ? std::string("c") : fmt::format("{}u + c", group.first_number));
+    };
+    std::string nobody_yet = calls.answers_at_once() ? "hit_number == 0u" : "";
+    if (calls.sinks()) nobody_yet += nobody_yet.empty() ? "!found" : " && !found";
+    if (calls.sinks()) line("bool found = false;");
+    open("while (i < range.y && " + nobody_yet + ")");
+    line("bool held = false;");
+    emit_search(record, any_tiled, candidates, cube);
     open("if (held)");
-    emit_calls(plan_.calls[region.index][g], record);
-    if (reaches()) line("if (hit_number != 0u) {};", cube.limit);
-    line("if (hit_number != 0u) came_through({}u, {}, level);", fmt::format("{}", region.index),
-         group.first_number == 0 ? std::string("c") : fmt::format("{}u + c", group.first_number));
+    emit_calls(calls, false);
+    if (calls.answers_at_once()) emit_way("if (hit_number != 0u) ");
     close();
     close();
+    line("hit_unfinished = hit_unfinished || (" + nobody_yet + " && asked != range.y - range.x);");
+    if (calls.sinks()) {
+      open("if (found)");
+      emit_calls(calls, true);
+      emit_way("");
+      close();
+    }
     if (reaches()) line("local = outer;");
-    line("hit_unfinished = hit_unfinished || (hit_number == 0u && asked != range.y - range.x);");
   }
 
   /// To the next candidate whose cube holds the point. A loop of its own: all points search, then all that have found one
@@ -658,51 +748,73 @@ class Generator : GlslWriter {
     close();
   }
 
-  /// One call for each different shape of the group's objects; all objects that are cut share one walker.
-  void emit_calls(const std::vector<Id<Object>>& called, const gpu::GroupRecord& record) {
-    const std::string placement = fmt::format("{}u + c", record.first_placement);
-    std::vector<std::pair<std::string, std::string>> calls;  // condition, and what is called then
-    std::string others;                                      // holds for no object that has a call of its own
-    const auto also = [&](const std::string& name, const std::string& number, const std::string& made) {
-      calls.emplace_back(fmt::format("{} == {}", name, number), made);
-      others += fmt::format("{}{} != {}", others.empty() ? "" : " && ", name, number);
+  /// How the objects of a list are called: one call for each different shape, one walker for all objects that are cut.
+  struct Calls {
+    struct Call {
+      std::string condition;  ///< "object == 3u"
+      std::string called;     ///< up to what follows the point's level
+      std::string guard;      ///< the arguments after it
+      bool sinks;             ///< in two steps
     };
+    std::string placement;
+    std::vector<Call> calls{};
+    std::optional<Id<Object>> walked{};  ///< one of those that are walked, if any are
     bool by_object = false, by_family = false;
-    std::optional<Id<Object>> walked;
+
+    bool chooses() const { return calls.size() + (walked ? 1u : 0u) > 1; }
+    bool sinks() const { return std::ranges::any_of(calls, &Call::sinks); }
+    bool answers_at_once() const { return walked || !std::ranges::all_of(calls, &Call::sinks); }
+  };
+
+  Calls calls_of(const std::vector<Id<Object>>& called, const gpu::GroupRecord& record) {
+    Calls result{.placement = fmt::format("{}u + c", record.first_placement)};
+    for (const Id<Object> object : called) out_.listed.emplace(object, sinks(object));
     for (const std::vector<Id<Object>>& alike : shapes_of(called)) {
-      if (plan_.cut[alike.front().index]) {
-        walked = alike.front();
-      } else if (alike.size() == 1) {
-        by_object = true;
-        also("object", fmt::format("{}u", alike.front().index), call(alike.front(), "q", "level + 1u"));
+      const Id<Object> first = alike.front();
+      if (plan_.cut[first.index]) {
+        result.walked = first;
+        continue;
+      }
+      const std::string guard = !sinks(first) && guarded_[first.index] ? ", true" : "";
+      if (alike.size() == 1) {
+        result.by_object = true;
+        result.calls.push_back({fmt::format("object == {}u", first.index), listed_name(first) + "(q, level + 1u", guard, sinks(first)});
       } else {
-        by_family = true;
+        result.by_family = true;
         const std::uint32_t family = unite(alike);
-        also("family", fmt::format("{}u", family), united_call(family, alike.front()));
+        result.calls.push_back({fmt::format("family == {}u", family), united_names_[family - 1] + "(row, q, level + 1u", guard, sinks(first)});
       }
     }
-    if (by_family) {
-      line("uint united = placement_tags({}).w;", placement);
+    return result;
+  }
+
+  /// Of candidate c. In two steps: `inside` calls those for their answer, that have been found to have one.
+  void emit_calls(const Calls& calls, bool inside) {
+    if (calls.by_family) {
+      line("uint united = placement_tags({}).w;", calls.placement);
       line("uint row = united >> DMVV_FAMILY_BITS;");
     }
-    const bool choose = calls.size() + (walked ? 1u : 0u) > 1;
-    if (!choose && !calls.empty()) return line("{};", calls.front().second);
-    if (!choose && called.size() == 1) return line("{};", call(*walked, "q", "level + 1u"));
-    if (by_family) line("uint family = united & (1u << DMVV_FAMILY_BITS) - 1u;");
-    if (by_object || walked) line("uint object = placement_tags({}).x;", placement);
+    if (calls.chooses() && calls.by_family) line("uint family = united & (1u << DMVV_FAMILY_BITS) - 1u;");
+    if (calls.by_object ? calls.chooses() : calls.walked.has_value()) line("uint object = placement_tags({}).x;", calls.placement);
+    std::string others;  // holds for no object that has a call of its own
     // One after the other, not nested in each other's else.
-    for (const auto& [condition, made] : calls) line("if ({}) {};", condition, made);
-    if (walked) line(others.empty() ? "walk(object, q, level + 1u);" : "if ({}) walk(object, q, level + 1u);", others);
+    for (const Calls::Call& call : calls.calls) {
+      const std::string made = call.sinks ? fmt::format("{}{}, {})", inside ? "" : "found = ", call.called, inside)
+                                          : call.called + call.guard + ")";
+      if (call.sinks || !inside) line("{}{};", calls.chooses() ? fmt::format("if ({}) ", call.condition) : "", made);
+      others += fmt::format("{}!({})", others.empty() ? "" : " && ", call.condition);
+    }
+    if (calls.walked && !inside) line("{}walk(object, q, level + 1u);", others.empty() ? "" : fmt::format("if ({}) ", others));
   }
 
   /// Objects by shape, in the order of the first of each; those that are cut all together.
-  std::vector<std::vector<Id<Object>>> shapes_of(const std::vector<Id<Object>>& called) const {
+  std::vector<std::vector<Id<Object>>> shapes_of(const std::vector<Id<Object>>& called) {
     std::vector<std::vector<Id<Object>>> shapes;
     std::map<std::uint64_t, std::size_t> places;
     for (const Id<Object> object : called) {
       std::uint64_t shape = std::uint64_t{object.index} << 32;
       if (plan_.cut[object.index]) shape = ~std::uint64_t{0};
-      else if (options_.unite_shapes) shape = families_.shape(object_name(object));
+      else if (options_.unite_shapes) shape = families_.shape(listed_name(object));
       const auto [place, is_new] = places.try_emplace(shape, shapes.size());
       if (is_new) shapes.emplace_back();
       shapes[place->second].push_back(object);
@@ -710,20 +822,16 @@ class Generator : GlslWriter {
     return shapes;
   }
 
-  /// The number of the family that the objects belong to.
+  /// The number of the family that the objects belong to, from 1: 0 is that of objects without.
   std::uint32_t unite(const std::vector<Id<Object>>& alike) {
     std::vector<std::string> names;
-    for (const Id<Object> object : alike) names.push_back(object_name(object));
+    for (const Id<Object> object : alike) names.push_back(listed_name(object));
     const std::string name = families_.unite(names);
     const auto known = std::ranges::find(united_names_, name);
-    const auto family = static_cast<std::uint32_t>(known - united_names_.begin());
+    const auto family = static_cast<std::uint32_t>(known - united_names_.begin()) + 1;
     if (known == united_names_.end()) united_names_.push_back(name);
     for (const Id<Object> object : alike) united_objects_.emplace(object, family);
     return family;
-  }
-
-  std::string united_call(std::uint32_t family, Id<Object> member) const {
-    return fmt::format("{}(row, q, level + 1u{})", united_names_[family], guarded_[member.index] ? ", true" : "");
   }
 
   /// Nobody inside answered: the region's own colour counts, unless it is empty.
@@ -905,6 +1013,8 @@ class Generator : GlslWriter {
   std::vector<bool> guarded_;  // objects whose function has a guard
   std::string guard_;          // of the function that is being written; "" if it has none
   std::string tape_walker_;      // empty if no function is a tape
+  std::map<Id<Node>, Outcome> outcomes_;
+  bool is_inside_ = false;  ///< what is written is reached only by points that get an answer
   StagePlan stages_;
   std::optional<std::uint32_t> stage_;  ///< that is being written
   std::uint32_t divided_ = 0;          ///< objects of it

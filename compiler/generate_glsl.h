@@ -36,6 +36,7 @@ struct GlslOptions {
   bool fold_affine = true;  ///< write identities, translations and scalings as such
   bool box_tests = true;    ///< leave out box tests that the standard cube already answers
   const Tapes* tapes = nullptr;  ///< functions that are tapes; none: all are written out
+  bool sink_answers = true;  ///< loops over candidates find the one that answers; what it answers is evaluated behind them
   bool unite_shapes = true;  ///< candidates' objects that are equal but for their numbers share one function
   std::optional<StageOptions> stages;  ///< none: all pixels are evaluated by one kernel
   bool write_stages = false;           ///< or only count them
@@ -52,6 +53,7 @@ struct Evaluation {
   std::string functions;  ///< the snippets, and `float call_function(uint function, vec3 q)` if the walker is in use
   std::string glsl;
   std::uint32_t united_functions = 0;
+  std::map<Id<Object>, bool> listed;  ///< objects that loops call; whether by two steps (pass sink-answers)
   std::uint32_t stage_count = 0;  ///< 0: there are none
   std::vector<StageText> stages;  ///< the same in parts: stage k is `void stage_k(vec3 p)`, which may set next_stage
   std::vector<TimeFunction> time_functions;

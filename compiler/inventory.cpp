@@ -167,6 +167,11 @@ std::string united_found(const Statistics& statistics) {
   return fmt::format("{} objects share {} function{}", statistics.united_objects, functions, functions == 1 ? "" : "s");
 }
 
+std::string sunk(const Statistics& statistics) {
+  if (statistics.listed_objects == 0) return "nothing to do";
+  return fmt::format("loops ask {} of {} objects only whether they answer", statistics.sunk_objects, statistics.listed_objects);
+}
+
 std::string stages_found(const Statistics& statistics) {
   return statistics.stages == 0 ? "nothing to do" : fmt::format("{} kernels for many frames, one for a single picture", statistics.stages);
 }
@@ -318,6 +323,7 @@ std::optional<Inventory> take_inventory(Module module, const CompileOptions& opt
     if (effect.pass == "shorten-tapes" && effect.effect != "off") effect.effect = cells_found(result.program);
     if (effect.pass == "refine-index" && effect.effect != "off") effect.effect = refined(stock.found);
     if (effect.pass == "unite-shapes" && effect.effect != "off") effect.effect = united_found(result.program.statistics);
+    if (effect.pass == "sink-answers" && effect.effect != "off") effect.effect = sunk(result.program.statistics);
     if (effect.pass == "stages" && effect.effect != "off") effect.effect = stages_found(result.program.statistics);
     if (effect.pass == "texel-records" && effect.effect != "off") effect.effect = texels_found(result.program, options);
   }

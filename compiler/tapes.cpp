@@ -167,7 +167,7 @@ std::string tape_walker(const Tapes& tapes) {
 }
 
 std::string tape_call(const std::string& name, const FunctionTape& tape, std::size_t first_time_value) {
-  return fmt::format("float {}(vec3 q) {{ return walk_tape(q, {}u, {}.0, {}u); }}\n", name, tape.first_cell,
+  return fmt::format("float {}(vec3 q) {{\n  return walk_tape(q, {}u, {}.0, {}u);\n}}\n", name, tape.first_cell,
                      tape.cells_a_side, first_time_value);
 }
 

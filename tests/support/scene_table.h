@@ -71,6 +71,44 @@ inline std::string chain_scene(int levels, double scale) {
   return text + "</MVV>\n";
 }
 
+/// Lists that hold objects of equal shapes beside others: some answer wherever they are, some by one decision or
+/// two, some only by what they embed.
+inline std::string strangers_scene() {
+  const auto sdf = [](const char* name, const std::string& body) {
+    return fmt::format("<SDF name='{}' function='true'>return {};</SDF>", name, body);
+  };
+  const std::string in_air = "<REGION name='IN' type='color' rgb='1 0.5 0'/><REGION name='AIR' type='empty'/>";
+  const std::string by_s = "<MAPPINGS><SDF name='S'><POSITIVE region='AIR'/><NEGATIVE region='IN'/></SDF></MAPPINGS></OBJECT>";
+  std::string text = "<MVV><OBJECT name='BRICK'>" + sdf("S", "max(abs(p.x), abs(p.z)) + 0.1 * p.y - 0.3") + in_air + by_s;
+  for (const int i : {1, 2, 3}) {
+    text += fmt::format("<OBJECT name='BALL{}'>", i) + sdf("S", fmt::format("length(p) - 0.{}", 3 + 2 * i)) + in_air + by_s;
+  }
+  for (const int i : {1, 2}) {  // a wall around a hole: both sides of what it holds are empty
+    text += fmt::format("<OBJECT name='RING{}'>", i) + sdf("S", "length(p) - 0.9") + sdf("H", fmt::format("abs(p.x) - 0.{}", 2 * i)) + in_air +
+            "<REGION name='HOLE' type='empty'/><MAPPINGS><SDF name='S'><POSITIVE region='AIR'/><NEGATIVE><SDF name='H'>"
+            "<POSITIVE region='IN'/><NEGATIVE region='HOLE'/></SDF></NEGATIVE></SDF></MAPPINGS></OBJECT>";
+  }
+  text += "<OBJECT name='HOLDER'>" + sdf("S", "length(p.xz) - 0.7") +
+          "<REGION name='WALL' type='color' rgb='0 0.5 0'/><REGION name='LUMEN' type='empty'><EMBEDDED name='BALL1' scale='0.6 0.6 0.6'/>"
+          "<EMBEDDED name='RING2' translate='0 0.4 0' scale='0.5 0.5 0.5'/></REGION><MAPPINGS><SDF name='S'><POSITIVE region='WALL'/>"
+          "<NEGATIVE region='LUMEN'/></SDF></MAPPINGS></OBJECT><OBJECT name='BLOCK'><REGION name='R' type='color' rgb='0 0 1'/></OBJECT>";
+  const auto list = [](const std::vector<std::string>& objects, double scale) {
+    std::string all;
+    double turn = 0.0;
+    for (const std::string& object : objects) {
+      all += fmt::format("<EMBEDDED name='{0}' translate='{1} {2} {3}' rotate='0 {4} 0' scale='{5} {5} {5}'/>", object, 0.55 * std::cos(turn),
+                         0.4 * std::sin(2.1 * turn), 0.55 * std::sin(turn), 20.0 * turn, scale);
+      turn += 0.7;
+    }
+    return all;
+  };
+  text += "<OBJECT name='ROOT'>" + sdf("S", "p.y - 0.2 * p.x") + "<REGION name='ABOVE' type='empty'>" +
+          list({"BRICK", "BALL1", "RING1", "BALL2", "BRICK", "RING2", "HOLDER", "BALL3", "BRICK", "BLOCK", "BALL1", "HOLDER"}, 0.5) +
+          "</REGION><REGION name='BELOW' type='color' rgb='0.3 0.3 0.3'>" + list({"RING1", "RING2", "BRICK", "RING2", "HOLDER", "BRICK", "RING1"}, 0.6) +
+          "<INDEX size='3 3 3'>" + list({"BRICK", "BALL3", "BRICK", "BALL2", "BRICK"}, 0.7) + "</INDEX></REGION>";
+  return text + "<MAPPINGS><SDF name='S'><POSITIVE region='ABOVE'/><NEGATIVE region='BELOW'/></SDF></MAPPINGS></OBJECT></MVV>";
+}
+
 inline std::vector<SceneCase> make_conformance_scenes() {
   std::vector<SceneCase> scenes;
   const std::string ball = sphere_lxn(24, 0.8);
@@ -165,6 +203,7 @@ inline std::vector<SceneCase> make_conformance_scenes() {
            "<OBJECT name='ROOT'><REGION name='BASE' type='color' rgb='0 0 0'><EMBEDDED name='TUBE' scale='0.8 0.8 0.8'/>"
            "<EMBEDDED name='CELL' scale='0.9 0.9 0.9'/></REGION></OBJECT></MVV>",
        {{"ball.lxn", ball}}});
+  scenes.push_back({"objects of a shape and strangers in one list", strangers_scene(), {}});
   return scenes;
 }
 

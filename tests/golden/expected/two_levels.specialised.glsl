@@ -41,6 +41,24 @@ void object_1(vec3 p, uint level) {
   }
 }
 
+// CELL
+bool object_2_listed(vec3 p, uint level, bool inside) {
+  bool answers = inside || negative_0(p);
+  if (inside) {
+    uint region;
+    if (negative_1(p)) {
+      region = 4u;  // CORE
+    } else {
+      region = 3u;  // PLASMA
+    }
+    uint number = 0u;
+    if (region == 3u) number = 1u;
+    if (region == 4u) number = 2u;
+    if (number != 0u) answer(region, number, p, level);
+  }
+  return answers;
+}
+
 // ROOT
 void object_0(vec3 p, uint level) {
   // BASE: 2 candidates
@@ -48,9 +66,10 @@ void object_0(vec3 p, uint level) {
     uvec2 range = find_cell(p, vec3(-0.80000037, -0.80000037, -0.80000037), vec3(0.6249997, 0.6249997, 0.6249997), uvec3(1u, 1u, 1u), 0u);
     uint i = range.x;
     uint asked = 0u;
-    while (i < range.y && hit_number == 0u) {
-      uint c = 0u;
-      vec3 q = p;
+    uint c = 0u;
+    vec3 q = p;
+    bool found = false;
+    while (i < range.y && hit_number == 0u && !found) {
       bool held = false;
       for (; i < range.y && !held; ++i) {
         ++asked;
@@ -61,11 +80,16 @@ void object_0(vec3 p, uint level) {
       if (held) {
         uint object = placement_tags(2u + c).x;
         if (object == 1u) object_1(q, level + 1u);
-        if (object == 2u) object_2(q, level + 1u, true);
+        if (object == 2u) found = object_2_listed(q, level + 1u, false);
         if (hit_number != 0u) came_through(0u, c, level);
       }
     }
-    hit_unfinished = hit_unfinished || (hit_number == 0u && asked != range.y - range.x);
+    hit_unfinished = hit_unfinished || (hit_number == 0u && !found && asked != range.y - range.x);
+    if (found) {
+      uint object = placement_tags(2u + c).x;
+      if (object == 2u) object_2_listed(q, level + 1u, true);
+      came_through(0u, c, level);
+    }
   }
   if (hit_number == 0u) answer(0u, 3u, p, level);
 }

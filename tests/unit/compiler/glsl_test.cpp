@@ -77,9 +77,34 @@ TEST_CASE("specialised code loops over instances of one object instead of repeat
   const auto& scene = tests::conformance_scene("embedded seeds");
   const auto program = tests::compiled(tests::lowered(scene.text, scene.files));
   std::size_t calls = 0;
-  for (std::size_t at = 0; (at = pixels(program).find("object_1(q", at)) != std::string::npos; ++at) ++calls;
-  CHECK(calls == 1);
+  for (std::size_t at = 0; (at = pixels(program).find("object_1_listed(q", at)) != std::string::npos; ++at) ++calls;
+  CHECK(calls == 2);  // in the loop, whether it answers, and behind it, what
   CHECK(program.statistics.candidates == 300);
+}
+
+TEST_CASE("loops ask whether a candidate answers; what it answers comes behind them, unless that is switched off") {
+  const auto& scene = tests::conformance_scene("objects of a shape and strangers in one list");
+  const auto module = tests::lowered(scene.text, scene.files);
+  const std::string text = pixels(tests::compiled(module));
+  const std::size_t ring = text.find("bool answers = inside || (negative_");  // in its ball, and not in its hole
+  REQUIRE(ring != std::string::npos);
+  CHECK(has(text.substr(ring, text.find('\n', ring) - ring), " && !negative_"));
+  CHECK(has(text, "// BLOCK\nbool object_"));
+  CHECK(has(text, "bool answers = inside || true;"));  // BLOCK answers everywhere
+  const std::string holder = text.substr(text.find("// HOLDER\n"), 40);
+  CHECK(has(holder, "void object_"));  // what it embeds decides whether it answers
+  CHECK_FALSE(has(text, "// HOLDER\nbool "));
+  CompileOptions options;
+  options.disabled_passes = {"sink-answers"};
+  CHECK_FALSE(has(pixels(tests::compiled(module, options)), "_listed"));
+}
+
+TEST_CASE("objects without parameters of their own are in no family, whatever else their list holds") {
+  const auto& scene = tests::conformance_scene("objects of a shape and strangers in one list");
+  const auto module = tests::lowered(scene.text, scene.files);
+  const auto program = tests::compiled(module);
+  CHECK(has(pixels(program), "if (family == 1u) "));
+  CHECK_FALSE(has(pixels(program), "if (family == 0u) "));
 }
 
 TEST_CASE("beyond the budget objects are cut, at last the root") {
@@ -228,7 +253,7 @@ TEST_CASE("objects of a group that differ in numbers share a function; with the 
   for (const char* radius : {"0.5", "0.7", "0.9"}) text += fmt::format("<EMBEDDED name='BALL{}' scale='0.5 0.5 0.5'/>", radius);
   const auto module = tests::lowered(text + "</REGION><MAPPINGS><REGION name='R'/></MAPPINGS></OBJECT></MVV>");
   const auto united = tests::compiled(module);
-  CHECK(has(pixels(united), "_united(row, q, level + 1u);"));
+  CHECK(has(pixels(united), "_united(row, q, level + 1u, true);"));
   CHECK_FALSE(has(pixels(united), "if (object == "));
   CompileOptions options;
   options.disabled_passes = {"unite-shapes"};

@@ -112,6 +112,10 @@ TEST_CASE("what the passes found") {
   CHECK(effect(inventory, "index").starts_with("2 lists of 40 entries in "));
   CHECK(effect(inventory, "fold-affine") == "2 of 2 constant transforms turn nothing");  // WAVE and A
   CHECK(effect(inventory, "box-tests") == "2 of 2 box tests are left out");
+  CHECK(effect(inventory, "refine-index") == "nothing to do");
+  CHECK(effect(inventory, "unite-shapes") == "nothing to do");
+  CHECK(effect(inventory, "sink-answers") == "loops ask 1 of 1 objects only whether they answer");
+  CHECK(effect(inventory, "stages") == "nothing to do");
   CHECK(effect(inventory, "texel-records") == "");  // no device
   CompileOptions texels;
   texels.max_texel_buffer_elements = 65536;

@@ -131,7 +131,7 @@ TEST_CASE("each stage holds only its own code, and pixels go on to later ones") 
     }
     CHECK(program.stages[i].has_next == goes_on);
     CHECK_FALSE(program.stages[i].spirv.empty());
-    CHECK((glsl.find("// CELL\nvoid object_") != std::string::npos) == (i != 0));  // the first stage only searches
+    CHECK((glsl.find("// CELL\nbool object_") != std::string::npos) == (i != 0));  // the first stage only searches
   }
   CHECK(program.code(compiler::Kernel::pixels).empty());
   options.disabled_passes.emplace_back("stages");
