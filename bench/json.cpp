@@ -57,6 +57,7 @@ Json settings(const Settings& s) {
           {"samples", s.samples},
           {"motion", name_of(s.motion)},
           {"verdicts", s.verdicts},
+          {"surface_alone", s.surface_alone},
           {"disabled_passes", s.disabled_passes}};
 }
 

@@ -265,6 +265,11 @@ void Planner::speed() {
         lighten(made);
         if (std::string_view(form) == "auto") made.effort.error_size_px = compared;
       }
+      Case& surface = add("speed", source.name, "auto", std::nullopt, source.name, [source] { return source; });
+      lighten(surface);
+      surface.variant = surface_alone;
+      surface.settings.surface_alone = true;
+      surface.id += fmt::format(" {}", surface_alone);
     }
   }
   passes();
@@ -277,7 +282,7 @@ void Planner::speed() {
        [](std::uint32_t depth) { return decision_tree(TreeForm::chain, Source::analytic, depth); });
 }
 
-/// Each pass of a frame switched off alone, where the camera swings and where time goes on.
+/// Each pass of a frame, and those of the compiler that divide its work, switched off alone, where the camera swings and where time goes on.
 void Planner::passes() {
   if (options_.quick) return;
   for (const char* name : {"orange", "skin", "molecule"}) {
@@ -288,6 +293,7 @@ void Planner::passes() {
       if (std::string_view(motion) == "time goes on" && !is_animated(name)) continue;
       std::vector<std::string> off{""};
       for (const auto& pass : runtime::frame_pass_names()) off.emplace_back(pass.name);
+      off.insert(off.end(), {"stages", "sink-answers"});
       for (const std::string& pass : off) {
         Case& made = add("passes", fmt::format("{}, {}", source.name, motion), motion, std::nullopt, source.name + ", passes", [source] { return source; });
         lighten(made);

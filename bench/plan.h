@@ -16,6 +16,7 @@ namespace dmvv::bench {
 
 /// The series of the section "speed" that is a frame of one colour, all of it in the cube but for the margins.
 inline constexpr const char* floor_series = "one colour";
+inline constexpr const char* surface_alone = "surface alone";
 
 /// What changes from one timed frame to the next.
 enum class Motion : std::uint8_t {
@@ -32,6 +33,7 @@ struct Settings {
   std::uint32_t samples = 1;  ///< per pixel along each axis
   Motion motion = Motion::none;
   bool verdicts = false;      ///< what can be proven between frames, is
+  bool surface_alone = false;  ///< the support mesh and the cuts, holding one region: what a frame takes if evaluating is free
   std::vector<std::string> disabled_passes{};  ///< of compiler::pass_names() and runtime::frame_pass_names()
 };
 

@@ -68,7 +68,7 @@ struct Report {
 
 /// JSON; keys and their order are described in bench/README.md and stay as they are.
 std::string to_json(const Report& report);
-inline constexpr int schema_version = 3;
+inline constexpr int schema_version = 4;
 
 /// Tables of at most 100 columns, one a section.
 std::string to_table(const Report& report);

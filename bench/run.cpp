@@ -9,6 +9,7 @@
 #include "bench/memory.h"
 #include "bench/statistics.h"
 #include "bench/truth.h"
+#include "bench/workload.h"
 #include "runtime/calibrate.h"
 
 namespace dmvv::bench {
@@ -250,11 +251,12 @@ Result<void> measure_on(runtime::Device& device, Truth& truth, Measurement& resu
   }
 
   // ---- builds, the first with its memory ----
+  const SceneSource source = what.settings.surface_alone ? empty_cube() : truth.source();
   std::optional<Built> built;
   for (std::uint32_t i = 0; i < std::max(1u, what.effort.builds); ++i) {
     built.reset();
     const PeakMemory memory;
-    auto made = build(truth.source(), what.settings, Kernel::pixels, &view, device, i == 0, result.steps);
+    auto made = build(source, what.settings, Kernel::pixels, &view, device, i == 0, result.steps);
     if (!made) return tl::unexpected(made.error());
     if (i == 0) result.peak_bytes = memory.bytes().value_or(0);
     built.emplace(std::move(*made));

@@ -136,32 +136,34 @@ class GeometricMean {
 
 /// Ratios to the table form, and to a frame of one colour, in the same run.
 std::string speed(const Report& report) {
-  TextTable table({"scene, view", "table", "anew", "swings", "time", "table/", "table/", "swings/", "time/", "first", "settle", "differ", "wrong"},
-                  {"", "ms", "ms", "ms", "ms", "swings", "time", "floor", "floor", "s", "s", "px", "px"});
+  TextTable table({"scene, view", "table", "surface", "anew", "swings", "time", "table/", "table/", "swings/", "time/", "first", "settle", "differ", "wrong"},
+                  {"", "ms", "ms", "ms", "ms", "ms", "swings", "time", "floor", "floor", "s", "s", "px", "px"});
   const double floor = frame_of(find(report, "speed", floor_series, "auto"));
-  GeometricMean swings_gain, time_gain;
+  GeometricMean swings_gain, time_gain, limit;
   for (const std::string& series : series_of(report, "speed")) {
     if (series == floor_series) continue;
     const Measurement* anew = find(report, "speed", series, "auto");
     const Measurement* swings = find(report, "speed", series, "camera swings");
     const Measurement* time = find(report, "speed", series, "time goes on");
     const double base = frame_of(find(report, "speed", series, "table"));
+    const double surface = frame_of(find(report, "speed", series, surface_alone));
+    limit.add(base / surface);
     swings_gain.add(base / frame_of(swings));
     time_gain.add(base / frame_of(time));
     std::size_t differing = 0;
     for (const Measurement* m : {swings, time}) differing += m != nullptr ? m->differing.value_or(0) : 0;
     const auto or_dash = [](double value) { return std::isfinite(value) ? number(value) : std::string("-"); };
-    table.add({series, or_dash(base), or_dash(frame_of(anew)), or_dash(frame_of(swings)), or_dash(frame_of(time)),
+    table.add({series, or_dash(base), or_dash(surface), or_dash(frame_of(anew)), or_dash(frame_of(swings)), or_dash(frame_of(time)),
                or_dash(base / frame_of(swings)), or_dash(base / frame_of(time)), or_dash(frame_of(swings) / floor),
                or_dash(frame_of(time) / floor), anew != nullptr ? number(1e-3 * (anew->build_ms() + frame_of(anew))) : "-",
                swings != nullptr ? number(1e-3 * swings->settle_ms) : "-", fmt::format("{}", differing),
                anew != nullptr ? fraction(anew->pixels) : "-"});
   }
   return heading("Speed (1280x720): the camera swings, or time goes on; against the table form and a frame of one colour", table,
-                 fmt::format("  floor: a frame of one colour, {} ms. Geometric means: table/swings {}, table/time {}.\n"
-                             "  anew: without verdicts, nothing kept. first: from text to the first picture. settle: frames while\n"
+                 fmt::format("  floor: a frame of one colour, {} ms. Geometric means: table/swings {}, table/time {}, table/surface {}.\n"
+                             "  surface: mesh and cuts with a scene of one region, the limit of swings. anew: without verdicts, nothing kept. first: from text to the first picture. settle: frames while\n"
                              "  verdicts are found. differ: regions that are others with all passes of a frame off.\n",
-                             number(floor), swings_gain.text(), time_gain.text()));
+                             number(floor), swings_gain.text(), time_gain.text(), limit.text()));
 }
 
 /// What each pass of a frame saves.
