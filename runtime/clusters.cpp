@@ -135,7 +135,7 @@ struct Place {
   bool in_view;
   bool turned_away;
   Side left;        ///< by all cuts
-  Side beyond_cap;  ///< shaders/surface.frag
+  Side beyond_cap;  ///< where the mesh's fragments count for caps (shaders/triangle.glsl)
 };
 
 Place place_of(const Cluster& cluster, const Shot& shot, std::span<const glm::dvec3> sides) {

@@ -84,8 +84,8 @@ uvec4 surface_at(Screen screen, uint number, vec2 middle) {
   return pack_surface(p + weights.y * (q - p) + weights.z * (r - p), sum < 0.0 ? normal : -normal);
 }
 
-// The set bits of `which`, pixels below each other: what they show. Loops of their own: lavapipe runs all code of a loop for
-// eight columns in each round.
+// A column of pixels, as bits: first what they show, then each kind in a loop of its own. Lavapipe runs all code of a loop in
+// each of its rounds, for eight columns at once.
 void main() {
   Screen screen = this_screen();
   Section section = this_section();

@@ -181,21 +181,21 @@ TEST_CASE("an eye very near the surface") {
 }
 
 TEST_CASE("triangles of any size make the same picture") {
-  const auto faces_of = [](int n) {  // the cube, each face in n x n squares
+  const auto faces_of = [](int n, int m) {  // the cube, each face in n x m rectangles
     voml::Mesh mesh;
     for (int face = 0; face < 6; ++face) {
       const int axis = face / 2, side = face % 2 == 0 ? 1 : -1;
       const auto first = static_cast<std::uint32_t>(mesh.positions.size()), row = static_cast<std::uint32_t>(n + 1);
-      for (int v = 0; v <= n; ++v) {
+      for (int v = 0; v <= m; ++v) {
         for (int u = 0; u <= n; ++u) {
           glm::dvec3 p(0.0);
           p[axis] = side;
           p[(axis + 1) % 3] = side * (2.0 * u / n - 1.0);
-          p[(axis + 2) % 3] = 2.0 * v / n - 1.0;
+          p[(axis + 2) % 3] = 2.0 * v / m - 1.0;
           mesh.positions.push_back(p);
         }
       }
-      for (std::uint32_t v = 0; v + 1 < row; ++v) {
+      for (std::uint32_t v = 0; v < static_cast<std::uint32_t>(m); ++v) {
         for (std::uint32_t u = 0; u + 1 < row; ++u) {
           const std::uint32_t a = first + v * row + u;
           mesh.triangles.push_back({a, a + 1, a + row + 1});
@@ -210,11 +210,12 @@ TEST_CASE("triangles of any size make the same picture") {
     view.size_px = {400, 300};
     view.camera.look = {0.0, 0.05, 0.0};
     view.shading = runtime::Shading::none;
-    const voml::Mesh large = faces_of(1);
+    const voml::Mesh large = faces_of(1, 1);
     view.mesh = &large;
     const Picture expected = render(view, Show::position);
-    for (const int n : {4, 30, 250}) {  // triangles of some 70, 10 and 1 pixels across
-      const voml::Mesh fine = faces_of(n);
+    // Triangles of some 70, 10 and 1 pixels across, and slivers.
+    for (const auto& [n, m] : {std::pair(4, 4), std::pair(30, 30), std::pair(250, 250), std::pair(120, 1), std::pair(1, 500)}) {
+      const voml::Mesh fine = faces_of(n, m);
       view.mesh = &fine;
       const Picture picture = render(view, Show::position);
       std::size_t others = 0, off = 0;
@@ -224,6 +225,7 @@ TEST_CASE("triangles of any size make the same picture") {
         else off += is_covered && glm::distance(color_at(expected, i), color_at(picture, i)) > 2e-5f;
       }
       CAPTURE(n);
+      CAPTURE(m);
       CHECK(others <= 3);  // at the cube's outline, by rounding
       CHECK(off <= 3);     // at its edges, likewise
     }
