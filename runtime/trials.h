@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace dmvv::runtime {
@@ -14,10 +15,14 @@ namespace dmvv::runtime {
 class Trials {
  public:
   static constexpr std::uint32_t first_hold = 16, longest_hold = 1024;  ///< frames
-  static constexpr std::size_t frames_a_way = 3;
+  static constexpr std::size_t judged_frames = 3;     ///< of a way in a trial, its last ones
+  static constexpr std::size_t learning_frames = 12;  ///< that a way gets in a trial which becomes faster by being used
 
-  /// Until the first trial, `start` is the way.
-  Trials(std::size_t ways, std::size_t start) : samples_(ways), best_(start) {}
+  /// Until the first trial, `start` is the way. `learns` says which ways become faster by being used, if any do.
+  Trials(std::size_t ways, std::size_t start, std::vector<bool> learns = {})
+      : samples_(ways), learns_(std::move(learns)), best_(start) {
+    learns_.resize(ways, false);
+  }
 
   /// The way of the next frame, among those that are possible.
   std::size_t begin(std::span<const bool> possible) {
@@ -34,7 +39,7 @@ class Trials {
     std::vector<double>& taken = samples_[way];
     taken.push_back(ms);
     least_ = std::min(least_, ms);
-    if (taken.size() >= frames_a_way || ms > hopeless * least_) advance();
+    if (taken.size() >= (learns_[way] ? learning_frames : judged_frames) || ms > hopeless * least_) advance();
   }
 
  private:
@@ -60,17 +65,23 @@ class Trials {
     std::size_t fastest = best_;
     expected_ms_ = unknown;
     for (const std::size_t way : order_) {
-      std::vector<double>& taken = samples_[way];
+      const std::vector<double>& taken = samples_[way];
       if (taken.empty()) continue;
-      std::ranges::sort(taken);
-      if (taken[taken.size() / 2] >= expected_ms_) continue;
-      expected_ms_ = taken[taken.size() / 2];
+      const double ms = last_median(taken);
+      if (ms >= expected_ms_) continue;
+      expected_ms_ = ms;
       fastest = way;
     }
     next_hold_ = fastest == best_ ? std::min(2 * next_hold_, longest_hold) : first_hold;
     hold_ = next_hold_;
     best_ = fastest;
     surprises_ = 0;
+  }
+
+  static double last_median(const std::vector<double>& taken) {
+    std::vector<double> last(taken.end() - static_cast<std::ptrdiff_t>(std::min(taken.size(), judged_frames)), taken.end());
+    std::ranges::sort(last);
+    return last[last.size() / 2];
   }
 
   /// Frames that take much longer, or shorter, than the trial found are of something else: that is tried anew.
@@ -83,6 +94,7 @@ class Trials {
 
   static constexpr double unknown = 1e300;
   std::vector<std::vector<double>> samples_;  ///< milliseconds, of this trial
+  std::vector<bool> learns_;                  ///< of each way
   std::vector<std::size_t> order_;            ///< of this trial: the best one first
   std::vector<std::size_t>::iterator next_;
   std::size_t best_;

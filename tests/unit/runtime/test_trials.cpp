@@ -1,6 +1,7 @@
 // Which way is fastest, by times that are made up.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <map>
 
@@ -49,4 +50,19 @@ TEST_CASE("only what is possible is tried") {
   Trials trials(3, 2);
   CHECK(run(trials, {10.0, 1.0, 20.0}, {true, false, true}, 300)[0] > 200);
   CHECK(run(trials, {10.0, 1.0, 20.0}, {true, false, false}, 100)[0] == 100);
+}
+
+TEST_CASE("a way that becomes faster by being used is given the time to") {
+  const auto frames_of_learner = [](Trials trials) {
+    int used = 0, late = 0;
+    for (int i = 0; i < 800; ++i) {
+      const std::size_t way = trials.begin(all);
+      used += way == 1;
+      late += i >= 600 && way == 1;
+      trials.end(way, way == 1 ? std::max(4.0, 13.0 - 0.1 * used) : 10.0);  // as fast as the others after 30 frames
+    }
+    return late;
+  };
+  CHECK(frames_of_learner(Trials(3, 0, {false, true, false})) > 180);
+  CHECK(frames_of_learner(Trials(3, 0)) < 20);
 }
