@@ -13,8 +13,8 @@ void Generator::emit_stages() {
     line("{}(p, 0u);", root);
     close();
   });
-  for (const auto& [begin, number] : stages_.numbers) {
-    emit_stage(number, [&] { emit_stage_from(number, begin.first, begin.second); });
+  for (const auto& stage : stages_.numbers) {
+    emit_stage(stage.second, [&] { emit_stage_from(stage.second, stage.first.first, stage.first.second); });
   }
   stage_.reset();
 }

@@ -214,7 +214,8 @@ TEST_CASE("triangles of any size make the same picture") {
     view.mesh = &large;
     const Picture expected = render(view, Show::position);
     // Triangles of some 70, 10 and 1 pixels across, and slivers.
-    for (const auto& [n, m] : {std::pair(4, 4), std::pair(30, 30), std::pair(250, 250), std::pair(120, 1), std::pair(1, 500)}) {
+    for (const auto& division : {std::pair(4, 4), std::pair(30, 30), std::pair(250, 250), std::pair(120, 1), std::pair(1, 500)}) {
+      const int n = division.first, m = division.second;
       const voml::Mesh fine = faces_of(n, m);
       view.mesh = &fine;
       const Picture picture = render(view, Show::position);
