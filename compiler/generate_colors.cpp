@@ -27,7 +27,7 @@ void Generator::emit_colors() {
 void Generator::emit_constant_colors() {
   line("vec4 color = vec4(0.0);");
   if (out_.uses.bitmap_atlas) {
-    line("vec3 u = vec3(0.0);");
+    line("precise vec3 u = vec3(0.0);");  // all kernels take the same texels, to the bit
     line("vec3 slot_scale = vec3(0.0);");
     line("vec3 slot_offset = vec3(0.0);");
     line("bool bitmap = false;");
@@ -52,7 +52,8 @@ void Generator::emit_constant_colors() {
     close();
   }
   if (out_.uses.bitmap_atlas) {
-    line("vec4 texel = textureLod(bitmap_atlas, fract((u + 1.0) * 0.5) * slot_scale + slot_offset, 0.0);");
+    line("precise vec3 slot = fract((u + 1.0) * 0.5) * slot_scale + slot_offset;");
+    line("vec4 texel = textureLod(bitmap_atlas, slot, 0.0);");
     line("if (bitmap) color *= texel;");
   }
   line("return color;");
@@ -61,8 +62,8 @@ void Generator::emit_constant_colors() {
 void Generator::emit_record_colors() {
   line("vec4 color = regions[region].color;");
   if (out_.uses.bitmap_atlas) {
-    line("vec3 u = fract((apply(regions[region].texture_from_object, p) + 1.0) * 0.5);");
-    line("vec3 slot = u * regions[region].slot_scale.xyz + regions[region].slot_offset.xyz;");
+    line("precise vec3 u = fract((apply(regions[region].texture_from_object, p) + 1.0) * 0.5);");
+    line("precise vec3 slot = u * regions[region].slot_scale.xyz + regions[region].slot_offset.xyz;");
     line("vec4 texel = textureLod(bitmap_atlas, slot, 0.0);");
     line("if (regions[region].slot_scale.w != 0.0) color = vec4(texel.rgb, texel.a * color.a);");
   }
