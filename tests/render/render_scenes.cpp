@@ -72,6 +72,14 @@ constexpr const char* bitmap_root = R"(
     <REGION name="R.RAMP" type="bitmap" file="ramp.png" scale="0.5 0.5 0.5" rotate="0 0 45"/>
   </OBJECT>)";
 
+constexpr const char* bitmap_around_list_root = R"(
+  <OBJECT name="CELL"><SDF name="F.BALL" file="ball.lxn"/><REGION name="R.CELL" type="color" rgb="0.1 0.2 0.9"/>
+    <REGION name="R.AIR" type="empty"/><MAPPINGS><SDF name="F.BALL"><POSITIVE region="R.AIR"/><NEGATIVE region="R.CELL"/></SDF></MAPPINGS></OBJECT>
+  <OBJECT name="ROOT">
+    <REGION name="R.RAMP" type="bitmap" file="ramp.png" translate="1 0 -1" scale="1 1 2">
+      <EMBEDDED name="CELL" type="seeding" seedFile="seeds.txt" scale="0.2 0.2 0.2"/></REGION>
+  </OBJECT>)";
+
 /// 60 seeds in the cube, fractions of its edge: the additive recurrence of Roberts' R3 sequence, which spreads evenly.
 std::string seed_text() {
   std::string text;
@@ -106,7 +114,8 @@ std::vector<RenderScene> write_render_scenes(const Folder& folder) {
   for (const auto& [name, root] : {std::pair{"seeded", seeded_root},
                                    {"tiled", tiled_root},
                                    {"embedded", embedded_root},
-                                   {"bitmap", bitmap_root}}) {
+                                   {"bitmap", bitmap_root},
+                                   {"bitmap_around_list", bitmap_around_list_root}}) {
     scenes.push_back({name, folder.write(std::string(name) + ".voml", std::string("<MVV>") + parts + root + "</MVV>")});
   }
   return scenes;
