@@ -21,7 +21,7 @@ void Generator::emit_candidates(Id<Region> id, bool one_region, const Continuati
 }
 
 void Generator::emit_group(Id<Region> region, std::size_t g, const gpu::GroupRecord& record, const std::string& asked,
-                std::optional<std::uint32_t> later) {
+                           std::optional<std::uint32_t> later) {
   const CandidateGroup& group = at(module_.regions, region).groups[g];
   open(asked.empty() ? "" : fmt::format("if ({})", asked));
   if (group.box_from_object) {

@@ -4,7 +4,7 @@
 namespace dmvv::compiler {
 
 std::string Generator::call(Id<Object> object, const std::string& p, const std::string& level,
-                 const std::string& guard) const {
+                            const std::string& guard) const {
   if (plan_.cut[object.index]) {
     return fmt::format("{}walk({}u, {}, {})", guard == "true" ? "" : "if (" + guard + ") ", object.index, p, level);
   }

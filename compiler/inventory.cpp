@@ -319,13 +319,14 @@ std::optional<Inventory> take_inventory(Module module, const CompileOptions& opt
   if (!program) return std::nullopt;
   result.program = std::move(*program);
   for (PassEffect& effect : result.passes) {
-    if (effect.pass == "tapes" && effect.effect != "off") effect.effect = tapes_found(result.program);
-    if (effect.pass == "shorten-tapes" && effect.effect != "off") effect.effect = cells_found(result.program);
-    if (effect.pass == "refine-index" && effect.effect != "off") effect.effect = refined(stock.found);
-    if (effect.pass == "unite-shapes" && effect.effect != "off") effect.effect = united_found(result.program.statistics);
-    if (effect.pass == "sink-answers" && effect.effect != "off") effect.effect = sunk(result.program.statistics);
-    if (effect.pass == "stages" && effect.effect != "off") effect.effect = stages_found(result.program.statistics);
-    if (effect.pass == "texel-records" && effect.effect != "off") effect.effect = texels_found(result.program, options);
+    if (effect.effect == "off") continue;
+    if (effect.pass == "tapes") effect.effect = tapes_found(result.program);
+    if (effect.pass == "shorten-tapes") effect.effect = cells_found(result.program);
+    if (effect.pass == "refine-index") effect.effect = refined(stock.found);
+    if (effect.pass == "unite-shapes") effect.effect = united_found(result.program.statistics);
+    if (effect.pass == "sink-answers") effect.effect = sunk(result.program.statistics);
+    if (effect.pass == "stages") effect.effect = stages_found(result.program.statistics);
+    if (effect.pass == "texel-records") effect.effect = texels_found(result.program, options);
   }
   result.objects = std::move(stock.objects);
   for (std::size_t i = 0; i < result.objects.size(); ++i) {

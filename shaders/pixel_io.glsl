@@ -18,10 +18,9 @@ layout(set = 1, binding = DMVV_BIND_LEADER_COLOR, rgba32f) uniform image2D leade
 layout(set = 1, binding = DMVV_BIND_LEADER_REGION, r32ui) uniform uimage2D leader_region;
 layout(push_constant) uniform Params { PixelsParams params; };
 
-uvec2 listed_pixel(uint entry) {
-  uint pixel = list.entries[entry].x;
-  return uvec2(pixel & 0xffffu, pixel >> 16u);
-}
+uvec2 unpack_pixel(uint xy) { return uvec2(xy & 0xffffu, xy >> 16u); }
+
+uvec2 listed_pixel(uint entry) { return unpack_pixel(list.entries[entry].x); }
 
 // The entry of pixel number i of a list.
 uint entry_of(uint kind, uint i) {

@@ -6,8 +6,7 @@
 bool find_pixel(out uvec2 pixel) {
   uint i = gl_GlobalInvocationID.x;
   bool there = i < pixels_of_stage(DMVV_STAGE);
-  uint xy = pixel_of_stage(DMVV_STAGE, there ? i : 0u);
-  pixel = uvec2(xy & 0xffffu, xy >> 16u);
+  pixel = unpack_pixel(pixel_of_stage(DMVV_STAGE, there ? i : 0u));
   return there;
 }
 #endif

@@ -12,11 +12,6 @@ using namespace dmvv::test;
 
 namespace {
 
-runtime::Device& device() {
-  static runtime::Device opened = runtime::Device::create({.name = "", .validation = true}).value();
-  return opened;
-}
-
 const char* const beating_text = R"(<MVV>
   <OBJECT name="BALL"><SDF name="S" function="true">return length(p) - 0.7 - 0.2 * sin(0.01 * t);</SDF>
     <REGION name="IN" type="color" rgb="1 0.2 0"/><REGION name="AIR" type="empty"/>

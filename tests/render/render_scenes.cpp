@@ -105,6 +105,11 @@ std::vector<T> read_picture(const std::string& path, OIIO::TypeDesc type, int ch
 
 }  // namespace
 
+runtime::Device& device() {
+  static runtime::Device opened = runtime::Device::create({.name = "", .validation = true}).value();
+  return opened;
+}
+
 std::vector<RenderScene> write_render_scenes(const Folder& folder) {
   folder.write("ball.lxn", sampled(16, ball));
   folder.write("wavy.lxn", sampled(20, wavy));

@@ -6,9 +6,13 @@
 #include <vector>
 
 #include "compiler/module.h"
+#include "runtime/runtime.h"
 #include "tests/cli/program.h"
 
 namespace dmvv::test {
+
+/// With validation layers on; opened once.
+runtime::Device& device();
 
 /// A scene that exercises one thing, its files written into a folder.
 struct RenderScene {

@@ -11,11 +11,6 @@ using namespace dmvv::test;
 
 namespace {
 
-runtime::Device& device() {
-  static runtime::Device opened = runtime::Device::create({.name = "", .validation = true}).value();
-  return opened;
-}
-
 compiler::CompileOptions wherever_it_can_be() {
   compiler::CompileOptions options;
   options.many_frames = true;
