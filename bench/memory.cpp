@@ -1,13 +1,20 @@
 #include "bench/memory.h"
 
-#include <malloc.h>
-
 #include <fstream>
 #include <sstream>
 #include <string>
 
+/// jemalloc's, where the program has that (cli/main.cpp).
+extern "C" __attribute__((weak)) int mallctl(const char* name, void* old_value, std::size_t* old_bytes, void* new_value,
+                                             std::size_t new_bytes);
+
 namespace dmvv::bench {
 namespace {
+
+/// What is freed goes back to the system.
+void trim_heap() {
+  if (mallctl != nullptr) mallctl("arena.4096.purge", nullptr, nullptr, nullptr, 0);  // 4096: all arenas
+}
 
 /// "VmHWM:     12345 kB" of /proc/self/status.
 std::optional<std::uint64_t> status_bytes(const std::string& field) {
@@ -24,7 +31,7 @@ std::optional<std::uint64_t> status_bytes(const std::string& field) {
 }  // namespace
 
 PeakMemory::PeakMemory() {
-  malloc_trim(0);
+  trim_heap();
   std::ofstream reset("/proc/self/clear_refs");
   reset << 5;
   if (reset.flush()) before_ = status_bytes("VmRSS");

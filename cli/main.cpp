@@ -1,8 +1,5 @@
 // The program `dmvv`: arguments in, exit code out. Each subcommand has its own file.
 #include <fmt/format.h>
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -68,17 +65,7 @@ int run(Invocation& invocation) {
   return exit_environment;
 }
 
-/// What a frame gives back, the next one takes. By default the C library hands it to the system, which clears it anew:
-/// a third of the time in which lavapipe draws 100,000 triangles.
-void keep_freed_memory() {
-#ifdef __GLIBC__
-  mallopt(M_TRIM_THRESHOLD, 256 << 20);
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most there is; it is no longer found by itself once the other is set
-#endif
-}
-
 int main_function(int count, char** words) {
-  keep_freed_memory();
   Invocation invocation;
   CLI::App app("Compiles VOML scenes, trees of signed distance functions embedded in each other, and draws them.",
                "dmvv");
@@ -111,5 +98,11 @@ int main_function(int count, char** words) {
 
 }  // namespace
 }  // namespace dmvv::cli
+
+/// jemalloc reads it when the process starts. Large pages: a third of the time from a scene to its first picture went into
+/// faults of small ones, lavapipe's memory included. One arena, and nothing goes back: what a frame frees, the next one takes.
+extern "C" {
+const char* malloc_conf = "thp:always,metadata_thp:auto,narenas:1,dirty_decay_ms:-1,muzzy_decay_ms:-1";
+}
 
 int main(int count, char** words) { return dmvv::cli::main_function(count, words); }
