@@ -159,6 +159,13 @@ std::string to_json(const Report& report) {
                               {"detail", f.detail},
                               {"held", f.held}});
   }
+  json["starts"] = Json::array();
+  for (const Starts& s : report.starts) {
+    json["starts"].push_back({{"scene", s.scene},
+                              {"failure", s.failure.empty() ? Json(nullptr) : Json(s.failure)},
+                              {"cold_ms", summary(s.cold_ms)},
+                              {"warm_ms", summary(s.warm_ms)}});
+  }
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 

@@ -258,6 +258,7 @@ void Planner::speed() {
       source.name = fmt::format("{}, {}", name, view);
       if (view == "whole") source.cuts.clear();
       if (view == "zoomed") source.zoom = 8.0;
+      if (view == "cut") plan_.starts.push_back(source);
       for (const char* form : {"auto", "camera swings", "time goes on", "table"}) {
         if (std::string_view(form) == "time goes on" && !is_animated(name)) continue;
         Case& made = add("speed", source.name, form, std::nullopt, source.name, [source] { return source; });
@@ -276,7 +277,7 @@ void Planner::speed() {
   const std::vector<std::string> ours{"auto"};
   grow("objects", "objects", options_.quick ? std::vector<std::uint32_t>{100, 10000} : std::vector<std::uint32_t>{100, 1000, 10000, 100000, 1000000},
        ours, many_objects);
-  grow("large snippet", "operations", {8000}, {"auto", "no tapes"}, large_snippet);
+  grow("large snippet", "operations", {8000}, {"auto", "no tapes", "no shorten-tapes"}, large_snippet);
   grow("embedding depth", "levels", {1, 4, 12}, ours, nested_objects);
   grow("tree depth", "decisions", {4, 16, 64}, ours,
        [](std::uint32_t depth) { return decision_tree(TreeForm::chain, Source::analytic, depth); });

@@ -102,6 +102,7 @@ struct Missing {
 
 struct Plan {
   std::vector<Case> cases;
+  std::vector<SceneSource> starts;  ///< what a user waits for is measured as well
   std::vector<Missing> missing;
 };
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bench/run.h"
+#include "bench/start.h"
 #include "bench/statistics.h"
 
 namespace dmvv::bench {
@@ -64,11 +65,12 @@ struct Report {
   std::vector<Missing> missing;
   std::vector<Fit> fits;
   std::vector<StressFigure> stress;
+  std::vector<Starts> starts;
 };
 
 /// JSON; keys and their order are described in bench/README.md and stay as they are.
 std::string to_json(const Report& report);
-inline constexpr int schema_version = 4;
+inline constexpr int schema_version = 5;
 
 /// Tables of at most 100 columns, one a section.
 std::string to_table(const Report& report);

@@ -136,8 +136,8 @@ class GeometricMean {
 
 /// Ratios to the table form, and to a frame of one colour, in the same run.
 std::string speed(const Report& report) {
-  TextTable table({"scene, view", "table", "surface", "anew", "swings", "time", "table/", "table/", "swings/", "time/", "first", "settle", "differ", "wrong"},
-                  {"", "ms", "ms", "ms", "ms", "ms", "swings", "time", "floor", "floor", "s", "s", "px", "px"});
+  TextTable table({"scene, view", "table", "surface", "anew", "swings", "time", "table/", "table/", "swings/", "time/", "settle", "differ", "wrong"},
+                  {"", "ms", "ms", "ms", "ms", "ms", "swings", "time", "floor", "floor", "s", "px", "px"});
   const double floor = frame_of(find(report, "speed", floor_series, "auto"));
   GeometricMean swings_gain, time_gain, limit;
   for (const std::string& series : series_of(report, "speed")) {
@@ -155,15 +155,25 @@ std::string speed(const Report& report) {
     const auto or_dash = [](double value) { return std::isfinite(value) ? number(value) : std::string("-"); };
     table.add({series, or_dash(base), or_dash(surface), or_dash(frame_of(anew)), or_dash(frame_of(swings)), or_dash(frame_of(time)),
                or_dash(base / frame_of(swings)), or_dash(base / frame_of(time)), or_dash(frame_of(swings) / floor),
-               or_dash(frame_of(time) / floor), anew != nullptr ? number(1e-3 * (anew->build_ms() + frame_of(anew))) : "-",
+               or_dash(frame_of(time) / floor),
                swings != nullptr ? number(1e-3 * swings->settle_ms) : "-", fmt::format("{}", differing),
                anew != nullptr ? fraction(anew->pixels) : "-"});
   }
   return heading("Speed (1280x720): the camera swings, or time goes on; against the table form and a frame of one colour", table,
                  fmt::format("  floor: a frame of one colour, {} ms. Geometric means: table/swings {}, table/time {}, table/surface {}.\n"
-                             "  surface: mesh and cuts with a scene of one region, the limit of swings. anew: without verdicts, nothing kept. first: from text to the first picture. settle: frames while\n"
+                             "  surface: mesh and cuts with a scene of one region, the limit of swings. anew: without verdicts, nothing kept. settle: frames while\n"
                              "  verdicts are found. differ: regions that are others with all passes of a frame off.\n",
                              number(floor), swings_gain.text(), time_gain.text(), limit.text()));
+}
+
+std::string starts(const Report& report) {
+  TextTable table({"scene", "cold", "p95", "warm", "p95"}, {"", "ms", "ms", "ms", "ms"});
+  for (const Starts& s : report.starts) {
+    if (!s.failure.empty()) continue;
+    table.add({s.scene, number(median(s.cold_ms)), number(quantile(s.cold_ms, 0.95)), number(median(s.warm_ms)),
+               number(quantile(s.warm_ms, 0.95))});
+  }
+  return heading("Starts (1280x720): `dmvv render` from its start to its end, with empty caches and with its own", table);
 }
 
 /// What each pass of a frame saves.
@@ -215,6 +225,9 @@ std::string failures(const Report& report) {
   for (const Measurement& m : report.measurements) {
     if (!m.failure.empty()) text += fmt::format("  {}: {}\n", m.what.id, m.failure);
   }
+  for (const Starts& s : report.starts) {
+    if (!s.failure.empty()) text += fmt::format("  start of {}: {}\n", s.scene, s.failure);
+  }
   return text.empty() ? text : "Not measured\n" + text + '\n';
 }
 
@@ -231,6 +244,7 @@ std::string to_table(const Report& report) {
   text += stress(report);
   text += thesis(report);
   text += speed(report);
+  text += starts(report);
   text += passes(report);
   text += fits(report);
   text += failures(report);

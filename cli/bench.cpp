@@ -115,6 +115,12 @@ std::vector<bench::StressFigure> run_stress(runtime::Device& device, bool quick)
   return figures;
 }
 
+bench::StartOptions start_options(const BenchOptions& options) {
+  bench::StartOptions starts{.program = fs::read_symlink("/proc/self/exe").string()};
+  if (options.quick) starts.cold = 1, starts.warm = 3;
+  return starts;
+}
+
 int bench_command(const BenchOptions& options, Context& context) {
   // What can be refused is refused before the work.
   const bench::PlanOptions plan_of = plan_options(options);
@@ -152,6 +158,7 @@ int bench_command(const BenchOptions& options, Context& context) {
     };
     report.measurements = bench::run_cases(opening, plan.cases, run);
   }
+  for (const bench::SceneSource& scene : plan.starts) report.starts.push_back(bench::measure_starts(scene, start_options(options)));
   if (options.scenes.empty() && options.set == "stress") report.stress = run_stress(device, options.quick);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   report.fits = bench::fit_series(report.measurements);

@@ -150,10 +150,16 @@ OpeningDevice begin_device(const DeviceChoice& choice) {
           runtime::code_cache(cache)};
 }
 
-runtime::Device await_device(OpeningDevice& opening, Context& context) {
+runtime::Device await_device(const OpeningDevice& opening, Context& context) {
   auto device = must(opening.device.get());
   context.stopwatch.lap("device");
   return device;
+}
+
+runtime::Canvas await_canvas(std::future<Result<runtime::Canvas>>& preparing, Context& context) {
+  auto canvas = must(preparing.get());
+  context.stopwatch.lap("surface");
+  return canvas;
 }
 
 int exit_code_of(const std::vector<std::string>& messages) {

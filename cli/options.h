@@ -65,12 +65,15 @@ compiler::Program compile(compiler::Module module, compiler::CompileOptions opti
 /// A device that a thread of its own opens, and the user's cache of compiled code: none with --no-cache, or without a
 /// cache folder.
 struct OpeningDevice {
-  std::future<Result<runtime::Device>> device;
+  std::shared_future<Result<runtime::Device>> device;
   compiler::CodeCache code;
 };
 OpeningDevice begin_device(const DeviceChoice& choice);
 /// Waits for the device, once; the lap "device" is what there was to wait for.
-runtime::Device await_device(OpeningDevice& opening, Context& context);
+runtime::Device await_device(const OpeningDevice& opening, Context& context);
+
+/// Waits for what the pictures are drawn on; the lap "surface" is what there was to wait for.
+runtime::Canvas await_canvas(std::future<Result<runtime::Canvas>>& preparing, Context& context);
 
 /// The exit code of a command that used a device: messages of the validation layer go to stderr and make it 2.
 int exit_code_of(const std::vector<std::string>& validation_messages);

@@ -170,6 +170,16 @@ std::vector<Cluster> make_clusters(Surface& surface, const std::vector<bool>& ou
   return clusters;
 }
 
+Result<ArrangedMesh> arrange_mesh(const voml::Mesh& mesh) {
+  auto surface = make_surface(mesh);
+  if (!surface) return tl::unexpected(std::move(surface.error()));
+  ArrangedMesh arranged{std::move(*surface), {}, voml::count_open_edges(mesh)};
+  const std::vector<bool> outward =
+      arranged.open_edges == 0 ? voml::outward_triangles(mesh) : std::vector<bool>(mesh.triangles.size(), false);
+  arranged.clusters = make_clusters(arranged.surface, outward);
+  return arranged;
+}
+
 std::vector<DrawCall> plan_draw(std::span<const Cluster> clusters, const Shot& shot, const Tile& tile,
                                 bool shows_all_backs) {
   const std::array sides = tile_sides(shot.raster, tile);

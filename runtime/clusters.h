@@ -42,6 +42,16 @@ struct Cluster {
 /// `outward` says of each triangle that its back cannot be seen. Cost: linear.
 std::vector<Cluster> make_clusters(Surface& surface, const std::vector<bool>& outward);
 
+/// A mesh in the order in which it is drawn.
+struct ArrangedMesh {
+  Surface surface;
+  std::vector<Cluster> clusters;
+  std::size_t open_edges = 0;
+};
+
+/// Errors (input): those of `make_surface`. Cost: n log n in triangles, some 50 ms for 100,000.
+Result<ArrangedMesh> arrange_mesh(const voml::Mesh& mesh);
+
 /// What is done with a cluster's triangles.
 struct DrawKind {
   bool is_seen = false;      ///< they may be seen

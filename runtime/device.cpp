@@ -230,26 +230,6 @@ Result<Device> open_device(const DeviceOptions& options) {
   return Device(std::move(impl));
 }
 
-/// A folder that goes when the process ends.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::error_code ignored;
-    std::string name = (std::filesystem::temp_directory_path(ignored) / "dmvv-XXXXXX").string();
-    if (mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
 /// The driver finds an empty cache, this device's own. Drivers read these when the instance is made; there is no call for
 /// it.
 void empty_driver_cache() {
@@ -378,9 +358,6 @@ Stopwatch::~Stopwatch() {
 }
 
 Device::Device(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-Device::Device(Device&&) noexcept = default;
-Device& Device::operator=(Device&&) noexcept = default;
-Device::~Device() = default;
 
 Result<Device> Device::create(const DeviceOptions& options) {
   return guarded("opening the device", [&]() -> Result<Device> {
@@ -389,7 +366,7 @@ Result<Device> Device::create(const DeviceOptions& options) {
   });
 }
 
-std::future<Result<Device>> Device::create_async(const DeviceOptions& options) {
+std::shared_future<Result<Device>> Device::create_async(const DeviceOptions& options) {
   if (!options.driver_cache) empty_driver_cache();
   return std::async(std::launch::async, [options] {
     return guarded("opening the device", [&] { return open_device(options); });

@@ -180,10 +180,11 @@ GpuBuffer upload_buffer(const Device::Impl& gpu, const void* bytes, std::size_t 
   return made;
 }
 
-Evaluator::Impl::Impl(const Device::Impl& device, const compiler::Program& program)
+Evaluator::Impl::Impl(const Device::Impl& device, const compiler::Program& program, Canvas canvas)
     : gpu(device), depth(program.depth), time_functions(program.time_functions), judge(program.judge),
       has_bitmaps(std::ranges::find(program.textures, std::uint32_t{DMVV_BIND_BITMAP_ATLAS}, &compiler::Texture::binding) !=
-                  program.textures.end()) {
+                  program.textures.end()),
+      rasteriser(std::move(canvas.rasteriser)) {
   for (std::size_t i = 0; i < code.size(); ++i) code[i] = program.spirv[i];
   stages = program.stages;
   for (compiler::Stage& stage : stages) stage.glsl.clear();
@@ -422,11 +423,11 @@ Evaluator::Evaluator(Evaluator&&) noexcept = default;
 Evaluator& Evaluator::operator=(Evaluator&&) noexcept = default;
 Evaluator::~Evaluator() = default;
 
-Result<Evaluator> Evaluator::create(Device& device, const compiler::Program& program, Timings* timings) {
+Result<Evaluator> Evaluator::create(Device& device, const compiler::Program& program, Timings* timings, Canvas canvas) {
   return guarded("uploading the scene", [&]() -> Result<Evaluator> {
     if (auto fault = program_fault(device.impl(), program)) return tl::unexpected(std::move(*fault));
     const Stopwatch watch(timings, "upload");
-    return Evaluator(std::make_unique<Impl>(device.impl(), program));
+    return Evaluator(std::make_unique<Impl>(device.impl(), program, std::move(canvas)));
   });
 }
 

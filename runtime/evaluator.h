@@ -45,7 +45,7 @@ bool operator==(const ShadingKey& a, const ShadingKey& b);
 
 /// The images and buffers of tiles up to a size, and what they hold now.
 struct Frame {
-  Targets targets;
+  vk::Extent2D extent;
   Wanted wanted;
   GpuImage color, bytes, region;  ///< those that are not wanted have one pixel
   GpuImage leader_place, leader_color, leader_region;  ///< of each tile of DMVV_LEADER_TILE; likewise
@@ -114,10 +114,10 @@ struct Evaluator::Impl {
   Trials courses{Course::count, Course{.classifies = true, .leads = false}.number(), Course::learns()};
   double compile_ms = 0.0, drawn_ms = 0.0;  ///< what the pixels' kernel took to compile; what frames have taken since
   bool has_drawn = false;  ///< a frame beyond the warm-up: another one may follow, and verdicts pay
-  std::optional<Rasteriser> rasteriser;
+  std::unique_ptr<Rasteriser> rasteriser;
   std::optional<Frame> frame;
 
-  Impl(const Device::Impl& device, const compiler::Program& program);
+  Impl(const Device::Impl& device, const compiler::Program& program, Canvas canvas);
   /// `constants` are the specialisation constants 0, 1, ...
   Result<KernelPipeline> make_kernel(compiler::Kernel kernel, std::span<const vk::DescriptorType> io,
                                      std::uint32_t params_bytes, std::span<const vk::Bool32> constants = {}) const;

@@ -86,47 +86,52 @@ Rasteriser::Rasteriser(const Device::Impl& gpu) : gpu_(gpu) {
   parts_ = gpu_.make_buffer(part_header_bytes + part_bytes * DMVV_MOST_PARTS,
                             Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst, MemoryUse::device);
   part_count_ = gpu_.make_buffer(sizeof(std::uint32_t), Usage::eTransferDst, MemoryUse::readback);
-}
-
-Targets Rasteriser::make_targets(vk::Extent2D extent) const {
-  using ImageUsage = vk::ImageUsageFlagBits;
-  const vk::DeviceSize pixels = vk::DeviceSize{extent.width} * extent.height;
-  Targets targets;
-  targets.extent = extent;
-  targets.surface = gpu_.make_image(vk::ImageType::e2D, vk::Format::eR32G32B32A32Uint, {extent.width, extent.height, 1},
-                                    ImageUsage::eStorage | ImageUsage::eTransferSrc | ImageUsage::eTransferDst);
-  targets.nearest = gpu_.make_buffer(8 * pixels, Usage::eStorageBuffer | Usage::eTransferDst, MemoryUse::device);
-  targets.shells = gpu_.make_buffer(4 * pixels, Usage::eStorageBuffer | Usage::eTransferDst, MemoryUse::device);
   std::vector<vk::DescriptorPoolSize> sizes;
   for (const vk::DescriptorType type : bindings) sizes.push_back({type, 1});
-  targets.pool = gpu_.device.createDescriptorPool(
+  pool_ = gpu_.device.createDescriptorPool(
       vk::DescriptorPoolCreateInfo{.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, .maxSets = 1}.setPoolSizes(sizes));
   const vk::DescriptorSetLayout set_layout = *set_layout_;
-  targets.set = std::move(
-      gpu_.device.allocateDescriptorSets({.descriptorPool = *targets.pool, .descriptorSetCount = 1, .pSetLayouts = &set_layout})[0]);
-  return targets;
+  set_ = std::move(
+      gpu_.device.allocateDescriptorSets({.descriptorPool = *pool_, .descriptorSetCount = 1, .pSetLayouts = &set_layout})[0]);
+}
+
+void Rasteriser::set_extent(vk::Extent2D extent) {
+  if (extent == extent_) return;
+  using ImageUsage = vk::ImageUsageFlagBits;
+  const vk::DeviceSize pixels = vk::DeviceSize{extent.width} * extent.height;
+  extent_ = vk::Extent2D{};
+  is_bound_ = false;
+  surface_ = gpu_.make_image(vk::ImageType::e2D, vk::Format::eR32G32B32A32Uint, {extent.width, extent.height, 1},
+                             ImageUsage::eStorage | ImageUsage::eTransferSrc | ImageUsage::eTransferDst);
+  nearest_ = gpu_.make_buffer(8 * pixels, Usage::eStorageBuffer | Usage::eTransferDst, MemoryUse::device);
+  shells_ = gpu_.make_buffer(4 * pixels, Usage::eStorageBuffer | Usage::eTransferDst, MemoryUse::device);
+  extent_ = extent;
 }
 
 Result<void> Rasteriser::set_mesh(const voml::Mesh& mesh) {
   if (mesh_ && same_mesh(*mesh_, mesh)) return {};
-  auto surface = make_surface(mesh);
-  if (!surface) return tl::unexpected(std::move(surface.error()));
-  if (auto fault = size_fault(gpu_, *surface)) return tl::unexpected(std::move(*fault));
-  open_edges_ = voml::count_open_edges(mesh);
-  clusters_ = make_clusters(*surface, open_edges_ == 0 ? voml::outward_triangles(mesh)
-                                                       : std::vector<bool>(mesh.triangles.size(), false));
-  std::vector<glm::uvec4> vertices(surface->vertices.size());
-  std::ranges::transform(surface->vertices, vertices.begin(), vertex_texel);
+  auto arranged = arrange_mesh(mesh);
+  return arranged ? set_mesh(mesh, std::move(*arranged)) : tl::unexpected(std::move(arranged.error()));
+}
+
+Result<void> Rasteriser::set_mesh(const voml::Mesh& mesh, ArrangedMesh arranged) {
+  const Surface& surface = arranged.surface;
+  if (auto fault = size_fault(gpu_, surface)) return tl::unexpected(std::move(*fault));
+  std::vector<glm::uvec4> vertices(surface.vertices.size());
+  std::ranges::transform(surface.vertices, vertices.begin(), vertex_texel);
+  is_bound_ = false;
   mesh_.reset();  // a failure below must not leave the old mesh's name on the new one's buffers
+  open_edges_ = arranged.open_edges;
+  clusters_ = std::move(arranged.clusters);
   const auto upload = [&](const auto& texels, GpuBuffer& buffer, vk::raii::BufferView& view, vk::Format format) {
     view = nullptr;
     buffer = upload_buffer(gpu_, texels.data(), texels.size() * sizeof texels[0], Usage::eStorageTexelBuffer);
     view = gpu_.device.createBufferView({.buffer = *buffer.buffer, .format = format, .range = VK_WHOLE_SIZE});
   };
   upload(vertices, vertices_, vertex_texels_, vk::Format::eR32G32B32A32Uint);
-  upload(surface->indices, indices_, index_texels_, vk::Format::eR32Uint);
+  upload(surface.indices, indices_, index_texels_, vk::Format::eR32Uint);
   runs_ = gpu_.make_buffer(clusters_.size() * sizeof(gpu::TriangleRun), Usage::eStorageBuffer, MemoryUse::upload);
-  bounds_ = surface->bounds;
+  bounds_ = surface.bounds;
   mesh_ = mesh;
   ++mesh_serial_;
   return {};
@@ -170,11 +175,12 @@ void Rasteriser::write_runs(std::span<const DrawCall> calls) {
   }
 }
 
-void Rasteriser::bind(const Targets& targets) const {
-  const std::array buffers{&params_, &vertices_, &indices_, &runs_, &targets.nearest, &targets.shells, &parts_};
+void Rasteriser::bind() {
+  if (is_bound_) return;
+  const std::array buffers{&params_, &vertices_, &indices_, &runs_, &nearest_, &shells_, &parts_};
   static_assert(buffers.size() == DMVV_RASTER_SURFACE);
   const auto write = [&](std::uint32_t binding, vk::WriteDescriptorSet written) {
-    written.setDstSet(*targets.set).setDstBinding(binding).setDescriptorCount(1).setDescriptorType(bindings[binding]);
+    written.setDstSet(*set_).setDstBinding(binding).setDescriptorCount(1).setDescriptorType(bindings[binding]);
     gpu_.device.updateDescriptorSets(written, nullptr);
   };
   for (std::uint32_t i = 0; i < buffers.size(); ++i) {
@@ -182,32 +188,32 @@ void Rasteriser::bind(const Targets& targets) const {
     const vk::BufferView view = i == DMVV_RASTER_VERTICES ? *vertex_texels_ : i == DMVV_RASTER_INDICES ? *index_texels_ : nullptr;
     write(i, {.pBufferInfo = &info, .pTexelBufferView = &view});
   }
-  const vk::DescriptorImageInfo image{{}, *targets.surface.view, Layout::eGeneral};
+  const vk::DescriptorImageInfo image{{}, *surface_.view, Layout::eGeneral};
   write(DMVV_RASTER_SURFACE, {.pImageInfo = &image});
+  is_bound_ = true;
 }
 
-void Rasteriser::draw(const vk::raii::CommandBuffer& commands, const Targets& targets, const Shot& shot,
-                      const Tile& tile, bool in_clusters) {
+void Rasteriser::draw(const vk::raii::CommandBuffer& commands, const Shot& shot, const Tile& tile, bool in_clusters) {
   const auto calls = in_clusters ? plan_draw(clusters_, shot, tile, shot.eye_within) : plan_whole(clusters_, shot, shot.eye_within);
   gpu::RasterParams params = shot.raster;
   params.tile = {tile.corner_px, tile.size_px};
   params.run_count = static_cast<std::uint32_t>(calls.size());
   std::memcpy(params_.mapped, &params, sizeof params);
   write_runs(calls);
-  bind(targets);
+  bind();
 
   const Pipelines& kernels = pipelines_for(shot);
   const vk::DeviceSize pixels = vk::DeviceSize{tile.size_px.x} * tile.size_px.y;
-  commands.fillBuffer(*targets.nearest.buffer, 0, 8 * pixels, 0);
-  if (shot.has_caps) commands.fillBuffer(*targets.shells.buffer, 0, 4 * pixels, 0);
+  commands.fillBuffer(*nearest_.buffer, 0, 8 * pixels, 0);
+  if (shot.has_caps) commands.fillBuffer(*shells_.buffer, 0, 4 * pixels, 0);
   commands.fillBuffer(*parts_.buffer, 0, part_header_bytes, 0);
   commands.pipelineBarrier(Stage::eComputeShader | Stage::eTransfer, Stage::eComputeShader, {},
                            vk::MemoryBarrier{.srcAccessMask = Access::eTransferWrite,
                                              .dstAccessMask = Access::eShaderRead | Access::eShaderWrite},
                            nullptr,
-                           color_barrier(targets.surface, Layout::eUndefined, Layout::eGeneral, {}, Access::eShaderWrite));
+                           color_barrier(surface_, Layout::eUndefined, Layout::eGeneral, {}, Access::eShaderWrite));
   constexpr auto compute = vk::PipelineBindPoint::eCompute;
-  commands.bindDescriptorSets(compute, *layout_, 0, *targets.set, nullptr);
+  commands.bindDescriptorSets(compute, *layout_, 0, *set_, nullptr);
   const auto run = [&](const vk::raii::Pipeline& kernel, std::uint32_t across, std::uint32_t down) {
     commands.bindPipeline(compute, *kernel);
     commands.dispatch(across, down, 1);

@@ -11,23 +11,24 @@
 
 namespace dmvv::runtime {
 
-/// What is drawn into. The surface is left in the layout GENERAL, for compute shaders and copies.
-struct Targets {
-  vk::Extent2D extent;
-  GpuImage surface;           ///< shaders/surface.glsl
-  GpuBuffer nearest, shells;  ///< of each pixel (shaders/raster.h)
-  vk::raii::DescriptorPool pool{nullptr};
-  vk::raii::DescriptorSet set{nullptr};
-};
+/// The tile that is drawn while kernels are compiled.
+inline constexpr glm::uvec2 warm_up_px{DMVV_PIXELS_BLOCK, DMVV_PIXELS_BLOCK};
 
 class Rasteriser {
  public:
   explicit Rasteriser(const Device::Impl& gpu);
 
-  Targets make_targets(vk::Extent2D extent) const;
+  /// Makes what tiles up to this size are drawn into.
+  void set_extent(vk::Extent2D extent);
+  vk::Extent2D extent() const { return extent_; }
+  /// Of the tile that was drawn last (shaders/surface.glsl). Drawing leaves it in the layout GENERAL, for compute shaders and
+  /// copies.
+  const GpuImage& surface() const { return surface_; }
 
   /// Makes `mesh` the one that is drawn. The same mesh again (compared bit by bit) costs a comparison.
   Result<void> set_mesh(const voml::Mesh& mesh);
+  /// The same for one that has been arranged.
+  Result<void> set_mesh(const voml::Mesh& mesh, ArrangedMesh arranged);
   const voml::Bounds& bounds() const { return bounds_; }
   /// Another number for each mesh that was set.
   std::uint32_t mesh_serial() const { return mesh_serial_; }
@@ -37,8 +38,7 @@ class Rasteriser {
   bool is_ready(const Shot& shot) const { return pipelines_.contains(kernel_kind(shot)); }
   /// Records the drawing of one tile, in clusters or as a whole. Writes what the shaders read: the commands must be done
   /// before the next call.
-  void draw(const vk::raii::CommandBuffer& commands, const Targets& targets, const Shot& shot, const Tile& tile,
-            bool in_clusters);
+  void draw(const vk::raii::CommandBuffer& commands, const Shot& shot, const Tile& tile, bool in_clusters);
   /// Once the commands are done: whether all of the mesh has been drawn. It has not if large triangles lie over each other
   /// more often than there is room for.
   bool is_complete() const;
@@ -57,13 +57,19 @@ class Rasteriser {
   vk::raii::Pipeline make_pipeline(std::span<const std::uint32_t> words, const KernelKind& kind) const;
   const Pipelines& pipelines_for(const Shot& shot);
   void write_runs(std::span<const DrawCall> calls);
-  void bind(const Targets& targets) const;
+  void bind();
 
   const Device::Impl& gpu_;
   vk::raii::DescriptorSetLayout set_layout_{nullptr};
   vk::raii::PipelineLayout layout_{nullptr};
+  vk::raii::DescriptorPool pool_{nullptr};
+  vk::raii::DescriptorSet set_{nullptr};
+  bool is_bound_ = false;  ///< the set names the buffers and images below
   std::map<KernelKind, Pipelines> pipelines_;
   GpuBuffer params_, runs_, parts_, part_count_;
+  vk::Extent2D extent_;
+  GpuImage surface_;
+  GpuBuffer nearest_, shells_;  ///< of each pixel (shaders/raster.h)
 
   std::optional<voml::Mesh> mesh_;
   std::size_t open_edges_ = 0;

@@ -24,10 +24,6 @@ using Access = vk::AccessFlagBits;
 using Layout = vk::ImageLayout;
 using Stage = vk::PipelineStageFlagBits;
 
-constexpr std::uint32_t longest_picture_px = 16384;
-constexpr std::uint32_t widest_tile_px = 2048;
-constexpr std::uint32_t tile_budget_px = 1u << 21;  // some 220 MiB of images and buffers
-constexpr glm::uvec2 warm_up_px{DMVV_PIXELS_BLOCK, DMVV_PIXELS_BLOCK};
 constexpr auto storage_image = vk::DescriptorType::eStorageImage;
 constexpr std::array pixel_io{storage_image, storage_image, storage_image, storage_image, vk::DescriptorType::eStorageBuffer,
                               storage_image, storage_image, storage_image, vk::DescriptorType::eStorageBuffer,
@@ -35,13 +31,6 @@ constexpr std::array pixel_io{storage_image, storage_image, storage_image, stora
 
 constexpr vk::ImageSubresourceLayers color_layer{vk::ImageAspectFlagBits::eColor, 0, 0, 1};
 constexpr vk::ImageSubresourceRange color_range{vk::ImageAspectFlagBits::eColor, 0, 1, 0, 1};
-
-/// Tiles hold whole pixels: samples^2 rendered pixels each.
-vk::Extent2D tile_extent(glm::uvec2 rendered_px, std::uint32_t samples) {
-  const auto whole = [&](std::uint32_t px) { return std::max(samples, px / samples * samples); };
-  const std::uint32_t width = std::min(rendered_px.x, whole(widest_tile_px));
-  return {width, std::min(rendered_px.y, whole(tile_budget_px / width))};
-}
 
 vk::BufferImageCopy tile_copy(vk::DeviceSize offset, glm::uvec2 size_px) {
   return {.bufferOffset = offset, .imageSubresource = color_layer, .imageExtent = {size_px.x, size_px.y, 1}};
@@ -165,9 +154,9 @@ vk::ImageMemoryBarrier begin_writing(const GpuImage& image, bool kept) {
 }
 
 /// Uploads a slice's surface in place of a drawn one.
-void draw_slice(const vk::raii::CommandBuffer& commands, const Frame& frame, const Shot& shot, const Tile& tile) {
+void draw_slice(const vk::raii::CommandBuffer& commands, const Frame& frame, const GpuImage& surface, const Shot& shot,
+                const Tile& tile) {
   fill_slice_surface(*shot.slice, tile.corner_px, tile.size_px, static_cast<glm::uvec4*>(frame.slice_surface.mapped));
-  const GpuImage& surface = frame.targets.surface;
   commands.pipelineBarrier(
       Stage::eTopOfPipe, Stage::eTransfer, {}, nullptr, nullptr,
       color_barrier(surface, Layout::eUndefined, Layout::eTransferDstOptimal, {}, Access::eTransferWrite));
@@ -179,7 +168,7 @@ void draw_slice(const vk::raii::CommandBuffer& commands, const Frame& frame, con
 }
 
 /// Records the copies of everything that is wanted into the buffer the host reads.
-void read_back(const vk::raii::CommandBuffer& commands, const Frame& frame, const Tile& tile) {
+void read_back(const vk::raii::CommandBuffer& commands, const Frame& frame, const GpuImage& surface, const Tile& tile) {
   const ReadbackLayout layout(pixels_of(tile), frame.wanted);
   const auto copy = [&](const GpuImage& image, vk::DeviceSize offset) {
     commands.pipelineBarrier(Stage::eComputeShader, Stage::eTransfer, {}, nullptr, nullptr,
@@ -191,7 +180,6 @@ void read_back(const vk::raii::CommandBuffer& commands, const Frame& frame, cons
   copy(frame.wanted.colors == Colors::bytes ? frame.bytes : frame.color, layout.colors);
   if (frame.wanted.regions) copy(frame.region, layout.regions);
   if (frame.wanted.positions) {
-    const GpuImage& surface = frame.targets.surface;
     copy(surface, layout.positions);
     commands.pipelineBarrier(Stage::eTransfer, Stage::eComputeShader, {}, nullptr, nullptr,
                              color_barrier(surface, Layout::eTransferSrcOptimal, Layout::eGeneral, {}, Access::eShaderRead));
@@ -260,7 +248,7 @@ Frame Evaluator::Impl::make_frame(vk::Extent2D extent, const Wanted& wanted) con
   const std::size_t count = std::size_t{extent.width} * extent.height;
   Frame made;
   made.wanted = wanted;
-  made.targets = rasteriser->make_targets(extent);
+  made.extent = extent;
   made.color = storage(vk::Format::eR32G32B32A32Sfloat, !as_bytes);
   made.bytes = storage(vk::Format::eR32Uint, as_bytes);
   made.region = storage(vk::Format::eR32Uint, wanted.regions);
@@ -289,7 +277,7 @@ Frame Evaluator::Impl::make_frame(vk::Extent2D extent, const Wanted& wanted) con
                                                            .pImageInfo = &info},
                                     nullptr);
   };
-  write_image(DMVV_BIND_SURFACE, made.targets.surface);
+  write_image(DMVV_BIND_SURFACE, rasteriser->surface());
   write_image(DMVV_BIND_COLOR, made.color);
   write_image(DMVV_BIND_BYTES, made.bytes);
   write_image(DMVV_BIND_REGION, made.region);
@@ -509,16 +497,16 @@ double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const Fr
     params.keeps_still = passes.keep_still && !draws && frame->shaded && only_time_differs(*frame->shaded, shading);
   }
   if (shot.slice && frame->slice_surface.bytes == 0) {
-    const vk::DeviceSize bytes = vk::DeviceSize{16} * frame->targets.extent.width * frame->targets.extent.height;
+    const vk::DeviceSize bytes = vk::DeviceSize{16} * frame->extent.width * frame->extent.height;
     frame->slice_surface = gpu.make_buffer(bytes, vk::BufferUsageFlagBits::eTransferSrc, MemoryUse::upload);
   }
   frame->surface.reset();  // a failure below must leave no name on what is half done
   frame->shaded.reset();
   const double ms = gpu.run([&](const vk::raii::CommandBuffer& commands) {
-    if (draws && shot.slice) draw_slice(commands, *frame, shot, tile);
-    if (draws && !shot.slice) rasteriser->draw(commands, frame->targets, shot, tile, passes.clusters);
+    if (draws && shot.slice) draw_slice(commands, *frame, rasteriser->surface(), shot, tile);
+    if (draws && !shot.slice) rasteriser->draw(commands, shot, tile, passes.clusters);
     evaluate_tile(commands, params, passes, course);
-    read_back(commands, *frame, tile);
+    read_back(commands, *frame, rasteriser->surface(), tile);
   });
   frame->surface = std::move(surface);
   frame->shaded = std::move(shading);
@@ -536,7 +524,7 @@ double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const Fr
 Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, const Wanted& wanted,
                                       const FramePasses& passes, Timings* timings) {
   const bool is_warm = shot.slice || rasteriser->is_ready(shot);
-  const bool has_frame = frame && frame->targets.extent == extent && frame->wanted == wanted;
+  const bool has_frame = frame && frame->extent == extent && frame->wanted == wanted;
   const auto constants = kernel_constants(wanted, passes);
   const bool has_kernel = pixels.contains(constants);
   if (is_warm && has_frame && has_kernel) return {};
@@ -551,6 +539,7 @@ Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, con
   }
   if (!has_frame) {
     frame.reset();
+    rasteriser->set_extent(extent);
     frame = make_frame(extent, wanted);
   }
   render_tile(shot, {{0, 0}, glm::min(warm_up_px, shot.size_px)}, passes);
@@ -561,14 +550,15 @@ Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, con
 Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
   if (auto refused = time_fault(view.time_ms)) return tl::unexpected(std::move(*refused));
   set_time(view.time_ms);
-  if (!rasteriser) rasteriser.emplace(gpu);
+  if (!rasteriser) rasteriser = std::make_unique<Rasteriser>(gpu);
   if (!view.slice) {
-    const auto drawn = rasteriser->set_mesh(view.mesh != nullptr ? *view.mesh : voml::standard_cube());
+    const auto drawn = rasteriser->set_mesh(support_mesh(view));
     if (!drawn) return tl::unexpected(drawn.error());
   }
   const auto shot = plan_shot(view, rasteriser->bounds(), longest_picture_px);
   if (!shot) return tl::unexpected(shot.error());
-  const vk::Extent2D extent = tile_extent(shot->size_px, view.samples);
+  const glm::uvec2 tile_px = largest_tile(shot->size_px, view.samples);
+  const vk::Extent2D extent{tile_px.x, tile_px.y};
   const Wanted wanted{view.samples == 1 ? view.colors : Colors::floats,  // the mean of samples is taken in float
                       view.want_regions || view.want_depth, view.want_depth || view.want_positions};
   const FramePasses passes{enabled(view, "pixel-list"), enabled(view, "keep-surface"), enabled(view, "keep-picture"),

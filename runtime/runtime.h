@@ -51,7 +51,7 @@ using Timings = std::vector<Timing>;
 /// step, not another one. Absent where the device has no time stamps.
 inline constexpr const char* gpu_step = "gpu";
 
-/// An open Vulkan device. Movable; everything made from it must be destroyed before it.
+/// An open Vulkan device; copies are the same. Everything made from it must be destroyed before the last of them.
 class Device {
  public:
   /// Errors (environment): no Vulkan driver (names the Debian package), no device of that name (lists those there are),
@@ -59,7 +59,7 @@ class Device {
   static Result<Device> create(const DeviceOptions& options);
   /// The same in a thread of its own; loading a driver takes some 50 ms. The process' environment must not be changed
   /// while it runs.
-  static std::future<Result<Device>> create_async(const DeviceOptions& options);
+  static std::shared_future<Result<Device>> create_async(const DeviceOptions& options);
 
   const DeviceInfo& info() const;
   /// All messages of the validation layer so far; empty if it is off or has nothing to say.
@@ -67,24 +67,43 @@ class Device {
 
   struct Impl;
   explicit Device(std::unique_ptr<Impl> impl);
-  Device(Device&&) noexcept;
-  Device& operator=(Device&&) noexcept;
-  ~Device();
   Impl& impl() const { return *impl_; }
 
  private:
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<Impl> impl_;
 };
 
 /// Every device Vulkan offers, in the order `create` would prefer them.
 Result<std::vector<DeviceInfo>> list_devices();
+
+class Rasteriser;
+
+/// What a picture is drawn on, whatever the scene: the support mesh on the device, and the kernels that draw it, compiled. It can
+/// be prepared while a scene is compiled; without it, `Evaluator::render` does the same work.
+class Canvas {
+ public:
+  /// For a picture of `view`, in a thread of its own, which waits for the device; slices need nothing. Until it is ready
+  /// nothing else may run on the device, and the mesh must stay. Errors: those of the device, and those of
+  /// `Evaluator::render` that come from the view.
+  static std::future<Result<Canvas>> prepare_async(std::shared_future<Result<Device>> opening, const View& view);
+
+  Canvas();
+  Canvas(Canvas&&) noexcept;
+  Canvas& operator=(Canvas&&) noexcept;
+  ~Canvas();
+
+ private:
+  friend class Evaluator;
+  std::unique_ptr<Rasteriser> rasteriser;
+};
 
 /// A program on a device: its buffers and textures uploaded, its pipelines made when first needed.
 class Evaluator {
  public:
   /// Errors: input fault if the program exceeds a limit of the device (names the limit and both numbers), environment
   /// fault if memory is short or the driver fails (VkResult by name). Adds "upload" to `timings`.
-  static Result<Evaluator> create(Device& device, const compiler::Program& program, Timings* timings = nullptr);
+  static Result<Evaluator> create(Device& device, const compiler::Program& program, Timings* timings = nullptr,
+                                  Canvas canvas = {});
 
   /// The scene at a time and at points in root coordinates (rounded to float32). Answers in the order of the points.
   /// Needs the points kernel. Adds "pipeline" (first use), "gpu" and "probe" to `timings`. Errors: environment; input if the

@@ -192,6 +192,13 @@ Result<Shot> plan_shot(const View& view, const voml::Bounds& bounds, std::uint32
   return shot;
 }
 
+glm::uvec2 largest_tile(glm::uvec2 rendered_px, std::uint32_t samples) {
+  constexpr std::uint32_t widest_px = 2048, budget_px = 1u << 21;
+  const auto whole = [&](std::uint32_t px) { return std::max(samples, px / samples * samples); };
+  const std::uint32_t width = std::min(rendered_px.x, whole(widest_px));
+  return {width, std::min(rendered_px.y, whole(budget_px / width))};
+}
+
 void fill_slice_surface(const SliceFrame& slice, glm::uvec2 corner_px, glm::uvec2 size_px, glm::uvec4* texels) {
   constexpr double closed_cube = 1.0 + 1e-12;  // a plane given as "1 1 0 2" must not lose the edge to rounding
   for (std::uint32_t y = 0; y < size_px.y; ++y) {

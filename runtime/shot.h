@@ -19,6 +19,8 @@ struct PixelRange {
   glm::uvec2 hi{0};
 };
 
+inline constexpr std::uint32_t longest_picture_px = 16384;
+
 struct Shot {
   glm::uvec2 size_px{0};       ///< what is rendered: the picture times the samples
   PixelRange seen;             ///< where anything can show; whole pixels of the picture
@@ -36,6 +38,10 @@ struct Shot {
 /// cuts, a plane without a normal, a camera without a direction, an angle not between 0 and 180 degrees, anything not
 /// finite.
 Result<Shot> plan_shot(const View& view, const voml::Bounds& bounds, std::uint32_t largest_px);
+
+/// The size of the tiles in which a picture is rendered: whole pixels of samples^2 rendered ones each, some 220 MiB of images
+/// and buffers at most.
+glm::uvec2 largest_tile(glm::uvec2 rendered_px, std::uint32_t samples);
 
 /// The surface texels (shaders/surface.glsl) of a slice's tile, without a normal: width * height of them, zeros where the
 /// pixel lies outside the standard cube. Positions are computed in double and rounded once.

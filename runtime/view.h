@@ -52,6 +52,9 @@ struct View {
   std::vector<std::string> disabled_passes;  ///< names of frame_pass_names()
 };
 
+/// What a picture of it is drawn on; not for slices. Good as long as the view's mesh is.
+const voml::Mesh& support_mesh(const View& view);
+
 /// What is left out of a frame, name and one sentence each; none changes a picture.
 struct FramePassInfo {
   std::string_view name;

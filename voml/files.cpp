@@ -121,6 +121,17 @@ Result<void> write_file(const std::string& path, std::string_view bytes) {
   }
 }
 
+TemporaryFolder::TemporaryFolder() {
+  std::error_code ignored;
+  std::string name = (std::filesystem::temp_directory_path(ignored) / "dmvv-XXXXXX").string();
+  if (mkdtemp(name.data()) != nullptr) path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+}
+
 std::optional<std::string> find_program(const std::string& name) {
   const char* const path = std::getenv("PATH");
   std::istringstream folders(path ? path : "/usr/local/bin:/usr/bin:/bin");

@@ -24,6 +24,20 @@ ReadFile memory_files(std::map<std::string, std::string> files);
 /// Errors: Fault::input if the folder does not exist or the path is a directory, Fault::environment otherwise.
 Result<void> write_file(const std::string& path, std::string_view bytes);
 
+/// A new folder, which goes with its content when this does.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder();
+  /// Empty if it could not be made.
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
 /// The executable of this name in the folders of $PATH.
 std::optional<std::string> find_program(const std::string& name);
 

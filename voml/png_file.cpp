@@ -116,6 +116,8 @@ bool write_rows(Writer& writer, const ImageToWrite& image, png_bytepp rows) {
                image.stored == SampleType::u16 ? 16 : 8, colours[image.channels.size()], PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_compression_level(writer.png, compression_level);
+  // Pictures of scenes are flat areas with sharp edges: without filters they take a third of the time and less room.
+  if (image.stored == SampleType::u8) png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
   png_write_info(writer.png, writer.info);
   if (image.stored == SampleType::u16 && std::endian::native == std::endian::little) png_set_swap(writer.png);
   png_write_image(writer.png, rows);

@@ -60,8 +60,8 @@ TEST_CASE("the JSON has the keys of its description, in their order") {
   const std::string text = to_json(report());
   CHECK(text == to_json(report()));
   const Json json = Json::parse(text);
-  CHECK(keys(json) == "schema set quick seconds machine runs fits missing stress");
-  CHECK(json["schema"] == 4);
+  CHECK(keys(json) == "schema set quick seconds machine runs fits missing stress starts");
+  CHECK(json["schema"] == 5);
   CHECK(keys(json["machine"]) == "dmvv compiler glslang device device_kind driver vulkan cpu cores memory_bytes system load");
   const Json& run = json["runs"][0];
   CHECK(keys(run) ==

@@ -1,0 +1,46 @@
+// What a picture is drawn on, prepared while its scene is compiled.
+#include "runtime/raster.h"
+
+namespace dmvv::runtime {
+namespace {
+
+Result<std::unique_ptr<Rasteriser>> prepare(const std::shared_future<Result<Device>>& opening, const View& view) {
+  auto arranged = arrange_mesh(support_mesh(view));
+  if (!arranged) return tl::unexpected(std::move(arranged.error()));
+  const Result<Device>& device = opening.get();
+  if (!device) return tl::unexpected(device.error());
+  const Device::Impl& gpu = device->impl();
+  auto rasteriser = std::make_unique<Rasteriser>(gpu);
+  if (const auto drawn = rasteriser->set_mesh(support_mesh(view), std::move(*arranged)); !drawn) return tl::unexpected(drawn.error());
+  const auto shot = plan_shot(view, rasteriser->bounds(), longest_picture_px);
+  if (!shot) return tl::unexpected(shot.error());
+  const glm::uvec2 tile_px = largest_tile(shot->size_px, view.samples);
+  rasteriser->set_extent({tile_px.x, tile_px.y});
+  const bool in_clusters = true;
+  gpu.run([&](const vk::raii::CommandBuffer& commands) {
+    rasteriser->draw(commands, *shot, {{0, 0}, glm::min(warm_up_px, shot->size_px)}, in_clusters);
+  });
+  return rasteriser;
+}
+
+}  // namespace
+
+Canvas::Canvas() = default;
+Canvas::Canvas(Canvas&&) noexcept = default;
+Canvas& Canvas::operator=(Canvas&&) noexcept = default;
+Canvas::~Canvas() = default;
+
+std::future<Result<Canvas>> Canvas::prepare_async(std::shared_future<Result<Device>> opening, const View& view) {
+  return std::async(std::launch::async, [opening = std::move(opening), view] {
+    return guarded("preparing the surface", [&]() -> Result<Canvas> {
+      Canvas canvas;
+      if (view.slice) return canvas;
+      auto rasteriser = prepare(opening, view);
+      if (!rasteriser) return tl::unexpected(std::move(rasteriser.error()));
+      canvas.rasteriser = std::move(*rasteriser);
+      return canvas;
+    });
+  });
+}
+
+}  // namespace dmvv::runtime
