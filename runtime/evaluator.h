@@ -49,7 +49,8 @@ struct Frame {
   Wanted wanted;
   GpuImage color, bytes, region;  ///< those that are not wanted have one pixel
   GpuImage leader_place, leader_color, leader_region;  ///< of each tile of DMVV_LEADER_TILE; likewise
-  GpuBuffer list;                 ///< PixelListHeader, then a word a pixel
+  GpuBuffer list;                 ///< PixelListHeader, then a word an entry
+  GpuBuffer known;                ///< a word an entry, if there are verdicts
   GpuBuffer queues, next_stages;  ///< of programs in stages (shaders/queues.glsl); else nothing
   GpuBuffer readback;             ///< positions if wanted, colours, region numbers if wanted, a PixelListHeader
   GpuBuffer slice_surface;        ///< made for the first slice

@@ -27,7 +27,7 @@ using Stage = vk::PipelineStageFlagBits;
 constexpr auto storage_image = vk::DescriptorType::eStorageImage;
 constexpr std::array pixel_io{storage_image, storage_image, storage_image, storage_image, vk::DescriptorType::eStorageBuffer,
                               storage_image, storage_image, storage_image, vk::DescriptorType::eStorageBuffer,
-                              vk::DescriptorType::eStorageBuffer};
+                              vk::DescriptorType::eStorageBuffer, vk::DescriptorType::eStorageBuffer};
 
 constexpr vk::ImageSubresourceLayers color_layer{vk::ImageAspectFlagBits::eColor, 0, 0, 1};
 constexpr vk::ImageSubresourceRange color_range{vk::ImageAspectFlagBits::eColor, 0, 1, 0, 1};
@@ -257,10 +257,11 @@ Frame Evaluator::Impl::make_frame(vk::Extent2D extent, const Wanted& wanted) con
   made.leader_region = image(vk::Format::eR32Uint, tile_extent);
   using BufferUse = vk::BufferUsageFlagBits;
   const std::size_t entries = has_leaders() ? 2 * count + std::size_t{tile_extent.width} * tile_extent.height : count;
-  made.list = gpu.make_buffer(sizeof(gpu::PixelListHeader) + 8 * entries,
+  made.list = gpu.make_buffer(sizeof(gpu::PixelListHeader) + 4 * entries,
                               BufferUse::eStorageBuffer | BufferUse::eIndirectBuffer | BufferUse::eTransferSrc |
                                   BufferUse::eTransferDst,
                               MemoryUse::device);
+  made.known = gpu.make_buffer(judge ? 4 * entries : 4, BufferUse::eStorageBuffer, MemoryUse::device);
   const std::size_t queued = stages.empty() ? 0 : stages.size() - 1;
   made.queues = gpu.make_buffer(sizeof(gpu::QueueHeader) + 4 * queued * count,
                                 BufferUse::eStorageBuffer | BufferUse::eIndirectBuffer | BufferUse::eTransferDst, MemoryUse::device);
@@ -296,6 +297,7 @@ Frame Evaluator::Impl::make_frame(vk::Extent2D extent, const Wanted& wanted) con
   write_buffer(DMVV_BIND_LIST, made.list);
   write_buffer(DMVV_BIND_QUEUES, made.queues);
   write_buffer(DMVV_BIND_NEXT, made.next_stages);
+  write_buffer(DMVV_BIND_KNOWN, made.known);
   return made;
 }
 

@@ -52,6 +52,8 @@ void main() {
   for (uint x = 0u; x < DMVV_RUN; ++x) {
     if (kinds[x] == DMVV_NOTHING) continue;
     uint slot = kinds[x] == DMVV_TO_PAINT ? painted++ : kinds[x] == DMVV_TO_EVALUATE ? evaluated++ : leaders++;
-    list_pixel(first + uvec2(x, 0u), entry_of(kinds[x], slot), known[x]);
+    uint entry = entry_of(kinds[x], slot);
+    list_pixel(first + uvec2(x, 0u), entry);
+    known_of[entry] = known[x];
   }
 }

@@ -9,6 +9,6 @@
 void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= list.header.counts[params.listed_kind]) return;
-  uint cell = list.entries[entry_of(params.listed_kind, i)].y;
+  uint cell = known_of[entry_of(params.listed_kind, i)];
   if (cell != DMVV_NO_CELL && (verdict_words[cell] & DMVV_VERDICT_FINAL) == 0u) count_hit(cell, params.hits_to_split);
 }

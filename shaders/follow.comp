@@ -31,7 +31,9 @@ void main() {
     if (first + x < end && !follows(listed_pixel(first + x))) left |= 1u << x;
   }
   uint slot = reserve(DMVV_LEFT, bitCount(left));
-  for (uint x = 0u; x < DMVV_RUN; ++x) {
-    if ((left >> x & 1u) != 0u) list.entries[entry_of(DMVV_LEFT, slot++)] = list.entries[first + x];
+  uint to = entry_of(DMVV_LEFT, slot);
+  for (uint bits = left, i = to; bits != 0u; bits &= bits - 1u) list.entries[i++] = list.entries[first + findLSB(bits)];
+  if (params.hits_to_split != 0u) {
+    for (uint bits = left, i = to; bits != 0u; bits &= bits - 1u) known_of[i++] = known_of[first + findLSB(bits)];
   }
 }

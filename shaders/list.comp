@@ -18,9 +18,8 @@ void main() {
     else seen |= 1u << x;
   }
   uint slot = reserve(DMVV_TO_EVALUATE, bitCount(seen)), leader_slot = reserve(DMVV_LEADERS_OF_TILES, bitCount(leaders));
-  for (uint x = 0u; x < DMVV_RUN; ++x) {
-    uvec2 pixel = first + uvec2(x, 0u);
-    if ((seen >> x & 1u) != 0u) list_pixel(pixel, slot++, DMVV_NO_CELL);
-    if ((leaders >> x & 1u) != 0u) list_pixel(pixel, entry_of(DMVV_LEADERS_OF_TILES, leader_slot++), DMVV_NO_CELL);
+  for (; seen != 0u; seen &= seen - 1u) list_pixel(first + uvec2(findLSB(seen), 0u), slot++);
+  for (; leaders != 0u; leaders &= leaders - 1u) {
+    list_pixel(first + uvec2(findLSB(leaders), 0u), entry_of(DMVV_LEADERS_OF_TILES, leader_slot++));
   }
 }

@@ -26,7 +26,7 @@ void main() {
   if (gl_GlobalInvocationID.x >= list.header.counts[DMVV_TO_PAINT]) return;
   uint entry = entry_of(DMVV_TO_PAINT, gl_GlobalInvocationID.x);
   uvec2 pixel = listed_pixel(entry);
-  uint outcome = list.entries[entry].y;
+  uint outcome = known_of[entry];
   uvec4 surface = imageLoad(surface_image, ivec2(pixel));
   uint number = outcomes[outcome].number;
   vec4 color = shade(color_of_outcome(outcome, surface_point(surface)), surface);

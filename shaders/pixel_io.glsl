@@ -11,8 +11,9 @@ layout(set = 1, binding = DMVV_BIND_BYTES, r32ui) writeonly uniform uimage2D byt
 layout(set = 1, binding = DMVV_BIND_REGION, r32ui) writeonly uniform uimage2D region_image;
 layout(set = 1, binding = DMVV_BIND_LIST, std430) buffer PixelList {
   PixelListHeader header;
-  uvec2 entries[];
+  uint entries[];
 } list;
+layout(set = 1, binding = DMVV_BIND_KNOWN, std430) buffer Known { uint known_of[]; };
 layout(set = 1, binding = DMVV_BIND_LEADER_PLACE, rgba32f) uniform image2D leader_place;
 layout(set = 1, binding = DMVV_BIND_LEADER_COLOR, rgba32f) uniform image2D leader_color;
 layout(set = 1, binding = DMVV_BIND_LEADER_REGION, r32ui) uniform uimage2D leader_region;
@@ -20,7 +21,7 @@ layout(push_constant) uniform Params { PixelsParams params; };
 
 uvec2 unpack_pixel(uint xy) { return uvec2(xy & 0xffffu, xy >> 16u); }
 
-uvec2 listed_pixel(uint entry) { return unpack_pixel(list.entries[entry].x); }
+uvec2 listed_pixel(uint entry) { return unpack_pixel(list.entries[entry]); }
 
 // The entry of pixel number i of a list.
 uint entry_of(uint kind, uint i) {

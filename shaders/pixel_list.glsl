@@ -21,4 +21,4 @@ bool is_leader(uvec2 pixel) {
   return params.has_leaders != 0u && all(equal(pixel % DMVV_LEADER_TILE, uvec2(DMVV_LEADER_TILE / 2u)));
 }
 
-void list_pixel(uvec2 pixel, uint entry, uint known) { list.entries[entry] = uvec2(pixel.x | pixel.y << 16u, known); }
+void list_pixel(uvec2 pixel, uint entry) { list.entries[entry] = pixel.x | pixel.y << 16u; }

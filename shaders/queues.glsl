@@ -8,5 +8,5 @@ layout(set = 1, binding = DMVV_BIND_NEXT, std430) buffer NextStages { uint next_
 uint queue_entry(uint stage, uint i) { return (stage - 1u) * params.width * params.height + i; }
 uint pixels_of_stage(uint stage) { return stage == 0u ? list.header.counts[params.listed_kind] : queues.header.counts[stage]; }
 uint pixel_of_stage(uint stage, uint i) {
-  return stage == 0u ? list.entries[entry_of(params.listed_kind, i)].x : queues.pixels[queue_entry(stage, i)];
+  return stage == 0u ? list.entries[entry_of(params.listed_kind, i)] : queues.pixels[queue_entry(stage, i)];
 }

@@ -39,7 +39,7 @@ using uvec4 = glm::uvec4;
 #define DMVV_BIND_COLOR 1    // rgba32f out: straight alpha; 0 where there is nothing
 #define DMVV_BIND_BYTES 2    // r32ui out, in place of it: 8 bits a channel, red lowest
 #define DMVV_BIND_REGION 3   // r32ui out, if wanted: region number, 0 where empty
-#define DMVV_BIND_LIST 4     // PixelListHeader, then two words an entry
+#define DMVV_BIND_LIST 4     // PixelListHeader, then a word an entry: x, and y in the upper half
 // of a leader for its tile: the point and how far its answer holds, the answer's colour before shading and region number
 #define DMVV_BIND_LEADER_PLACE 5   // rgba32f; w not positive: there is no such leader
 #define DMVV_BIND_LEADER_COLOR 6   // rgba32f
@@ -48,6 +48,9 @@ using uvec4 = glm::uvec4;
 // of programs in stages (compiler/stage_plan.h)
 #define DMVV_BIND_QUEUES 8     // QueueHeader, then the pixels of stages 1, 2, ..., with room for all of a tile each
 #define DMVV_BIND_NEXT 9       // uint[]: of each pixel of the stage that ran last the stage it goes on to; 0: none
+
+// of each entry of the lists, if `classify` made them: the cell to be told that it was evaluated, or the outcome to paint it with
+#define DMVV_BIND_KNOWN 10     // uint[]
 #define DMVV_MOST_STAGES 16
 
 // ---- bindings of descriptor set 2 of `classify`: two trees of verdicts, one for ever, one for a span of time ----
@@ -111,9 +114,8 @@ struct PixelsParams {
   uint stage;              // `distribute`: whose pixels go on
 };
 
-// What `list` or `classify` counts, and indirect dispatches read. An entry has two words: x, and y in the upper half; then what
-// is known of the pixel: the cell to be told that it was evaluated, or the outcome to paint it with. The lists of a kind
-// lie one after the other, with room for all pixels, but for those to be painted: from the first one's end back.
+// What `list` or `classify` counts, and indirect dispatches read. The lists of a kind lie one after the other, with room for all
+// pixels, but for those to be painted: from the first one's end back.
 #define DMVV_TO_EVALUATE 0u
 #define DMVV_LEFT 1u       // evaluated after all: no leader's answer holds for them
 #define DMVV_LEADERS_OF_TILES 2u  // evaluated first, and asked how far their answers hold
