@@ -140,6 +140,10 @@ IndexOptions index_options(const CompileOptions& options) {
           .widened = tells_reach(options) ? DMVV_CELL_MARGIN : 0.0};
 }
 
+std::vector<SeedChain> seed_chains(const Module& module, const CompileOptions& options) {
+  return writes_code(options) && enabled(options, "chain-seeds") ? find_seed_chains(module) : std::vector<SeedChain>{};
+}
+
 const std::vector<PassInfo>& pass_names() {
   static const std::vector<PassInfo> passes{
       {"merge-assets", "identical grids, bitmaps and snippets are stored once"},
@@ -148,6 +152,7 @@ const std::vector<PassInfo>& pass_names() {
       {"trim-cubes", "seeds and objects are asked only where their cubes are not surely empty"},
       {"index", "seeds and candidates are found through lookup grids"},
       {"refine-index", "an author's lookup grid has no fewer cells than the compiler would choose"},
+      {"chain-seeds", "SDFs that ask for seeds of one shape after each other share one search"},
       {"fold-affine", "identities, translations and scalings are written as such"},
       {"unite-shapes", "objects of a group that are equal but for their numbers share one function"},
       {"sink-answers", "loops over candidates only find the one that answers; what it answers is evaluated behind them"},
@@ -199,9 +204,6 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   auto bitmap_atlas = pack_bitmaps(module.bitmaps, options.max_extent_3d, diagnostics);
   if (!grid_atlas || !bitmap_atlas) return std::nullopt;
   if (thesis && !fits_thesis(module, diagnostics)) return std::nullopt;
-  Records records = thesis ? flatten_thesis(module, *grid_atlas, *bitmap_atlas)
-                                  : flatten(module, *grid_atlas, *bitmap_atlas, index_options(options));
-
   TapeOptions tape_options = options.tapes;
   tape_options.shorten = enabled(options, "shorten-tapes");
   const Tapes tapes = !thesis && enabled(options, "tapes") ? make_tapes(module, tape_options) : Tapes{};
@@ -214,7 +216,16 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
                                  writes_code(options) && enabled(options, "unite-shapes"),
                                  in_stages(options) ? std::optional(options.stages) : std::nullopt, options.many_frames,
                                  reaches ? &steepness : nullptr};
+  const auto flattened = [&](std::vector<SeedChain> chains) {
+    return thesis ? flatten_thesis(module, *grid_atlas, *bitmap_atlas)
+                  : flatten(module, *grid_atlas, *bitmap_atlas, index_options(options), std::move(chains));
+  };
+  Records records = flattened(seed_chains(module, options));
   Evaluation evaluation = generate_evaluation(module, records, *grid_atlas, glsl_options);
+  if (evaluation.uses.walker && !records.chains.empty()) {  // it knows no chains
+    records = flattened({});
+    evaluation = generate_evaluation(module, records, *grid_atlas, glsl_options);
+  }
   name_united(records, module, evaluation.united);
 
   count(program.statistics, module);
@@ -226,6 +237,8 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
     program.statistics.sunk_objects += is_sunk;
   }
   program.statistics.united_functions = evaluation.united_functions;
+  program.statistics.seed_chains = static_cast<std::uint32_t>(records.chains.size());
+  for (const SeedChain& chain : records.chains) program.statistics.chained_sdfs += static_cast<std::uint32_t>(chain.size());
   program.statistics.object_codegen = std::move(evaluation.object_codegen);
   program.statistics.atlas_fill = grid_atlas->fill;
   program.time_functions = std::move(evaluation.time_functions);

@@ -24,17 +24,20 @@ std::uint32_t packed_extent(const LocalBox& box) {
 
 class Flattening {
  public:
-  Flattening(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, IndexOptions index)
-      : module_(module), grid_atlas_(grid_atlas), bitmap_atlas_(bitmap_atlas), index_(index) {}
+  Flattening(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, IndexOptions index, std::vector<SeedChain> chains)
+      : module_(module), grid_atlas_(grid_atlas), bitmap_atlas_(bitmap_atlas), index_(index) {
+    out_.chains = std::move(chains);
+  }
 
   Records run() {
     number_decisions();
+    order_sdfs();
     build_lookups();
     for (const Object& object : module_.objects) out_.objects.push_back(references_[object.root.index]);
     for (const Node& node : module_.nodes) {
       if (const auto* decision = std::get_if<Decision>(&node.content)) out_.nodes.push_back(flatten_node(*decision));
     }
-    for (const Sdf& sdf : module_.sdfs) out_.sdfs.push_back(flatten_sdf(sdf));
+    for (const auto& [id, chain] : sdfs_) flatten_sdf(id, chain);
     for (const Region& region : module_.regions) out_.regions.push_back(flatten_region(region));
     return std::move(out_);
   }
@@ -49,12 +52,30 @@ class Flattening {
     }
   }
 
+  /// Rows of a chain stand one after the other: its SDFs follow its first one.
+  void order_sdfs() {
+    std::vector<const SeedChain*> chain_of(module_.sdfs.size(), nullptr);
+    for (const SeedChain& chain : out_.chains) {
+      for (const Id<Sdf> sdf : chain) chain_of[sdf.index] = &chain;
+    }
+    for (std::uint32_t i = 0; i < module_.sdfs.size(); ++i) {
+      const SeedChain* const chain = chain_of[i];
+      if (chain == nullptr) sdfs_.emplace_back(Id<Sdf>{i}, nullptr);
+      else if (chain->front() == Id<Sdf>{i}) for (const Id<Sdf> sdf : *chain) sdfs_.emplace_back(sdf, chain);
+    }
+    out_.sdfs.resize(module_.sdfs.size());
+    out_.first_scaling.resize(module_.sdfs.size(), no_scaling);
+    out_.first_seed.resize(module_.sdfs.size(), 0);
+  }
+  static bool has_own_lookup(Id<Sdf> id, const SeedChain* chain) { return chain == nullptr || chain->front() == id; }
+
   gpu::NodeRecord flatten_node(const Decision& decision) const {
     return {decision.sdf.index, references_[decision.positive.index], references_[decision.negative.index], 0};
   }
 
-  gpu::SdfRecord flatten_sdf(const Sdf& sdf) {
-    gpu::SdfRecord record{};
+  void flatten_sdf(Id<Sdf> id, const SeedChain* chain) {
+    const Sdf& sdf = at(module_.sdfs, id);
+    gpu::SdfRecord& record = out_.sdfs[id.index];
     const LocalBox box = local_box(sdf, module_);
     record.box_lo = vec(box.lo, sdf.iso);
     record.box_hi = vec(box.hi);
@@ -70,16 +91,21 @@ class Flattening {
     record.kind = static_cast<std::uint32_t>(sdf.placement);
     record.first_placement = static_cast<std::uint32_t>(out_.placements.size());
     for (const Affine& affine : sdf.local_from_object) out_.placements.push_back({rows(affine), 0, 0, 0, 0});
-    append_scalings(sdf);
-    if (sdf.placement == voml::Placement::seeded) record.lookup = append_lookup();
-    return record;
+    if (only_scale(sdf)) append_scalings(id);
+    if (sdf.placement != voml::Placement::seeded) return;
+    if (has_own_lookup(id, chain)) {
+      record.lookup = append_lookup();
+      return;
+    }
+    const gpu::SdfRecord& first = out_.sdfs[chain->front().index];
+    record.lookup = first.lookup;
+    out_.first_seed[id.index] = record.first_placement - first.first_placement;
   }
 
   /// A quarter of the loads of a placement.
-  void append_scalings(const Sdf& sdf) {
-    out_.first_scaling.push_back(only_scale(sdf) ? static_cast<std::uint32_t>(out_.scalings.size()) : no_scaling);
-    if (!only_scale(sdf)) return;
-    for (const Affine& a : sdf.local_from_object) out_.scalings.push_back(vec(a.translation, a.linear[0].x));
+  void append_scalings(Id<Sdf> id) {
+    out_.first_scaling[id.index] = static_cast<std::uint32_t>(out_.scalings.size());
+    for (const Affine& a : at(module_.sdfs, id).local_from_object) out_.scalings.push_back(vec(a.translation, a.linear[0].x));
   }
 
   gpu::RegionRecord flatten_region(const Region& region) {
@@ -117,9 +143,14 @@ class Flattening {
   void build_lookups() {
     std::vector<std::function<Lookup()>> jobs;
     const auto wish = [&](const glm::uvec3& authors) { return index_.use ? authors : glm::uvec3(1); };
-    for (const Sdf& sdf : module_.sdfs) {
-      if (sdf.placement != voml::Placement::seeded) continue;
-      jobs.emplace_back([&] { return build_lookup(placed_boxes(sdf, module_), wish(sdf.index_size), glm::dvec3(0.0), index_.refine, index_.widened); });
+    for (const auto& [id, chain] : sdfs_) {
+      const Sdf& sdf = at(module_.sdfs, id);
+      if (sdf.placement != voml::Placement::seeded || !has_own_lookup(id, chain)) continue;
+      jobs.emplace_back([&, all = chain] {
+        return build_lookup(all != nullptr ? placed_boxes(*all, module_) : placed_boxes(sdf, module_),
+                            wish(all != nullptr ? index_size(*all, module_) : sdf.index_size), glm::dvec3(0.0), index_.refine,
+                            index_.widened);
+      });
     }
     for (const Region& region : module_.regions) {
       for (const CandidateGroup& group : region.groups) {
@@ -151,6 +182,7 @@ class Flattening {
   const Atlas& bitmap_atlas_;
   IndexOptions index_;
   std::vector<std::uint32_t> references_;  // of each node
+  std::vector<std::pair<Id<Sdf>, const SeedChain*>> sdfs_;  // in the order of their rows
   std::vector<Lookup> lookups_;
   std::size_t next_lookup_ = 0;
   Records out_;
@@ -206,6 +238,21 @@ std::vector<PlacedBox> placed_boxes(const Sdf& sdf, const Module& module) {
   return boxes;
 }
 
+std::vector<PlacedBox> placed_boxes(const SeedChain& chain, const Module& module) {
+  std::vector<PlacedBox> boxes;
+  for (const Id<Sdf> sdf : chain) {
+    const std::vector<PlacedBox> own = placed_boxes(at(module.sdfs, sdf), module);
+    boxes.insert(boxes.end(), own.begin(), own.end());
+  }
+  return boxes;
+}
+
+glm::uvec3 index_size(const SeedChain& chain, const Module& module) {
+  glm::uvec3 size(0);
+  for (const Id<Sdf> sdf : chain) size = glm::max(size, at(module.sdfs, sdf).index_size);
+  return size;
+}
+
 std::vector<PlacedBox> placed_boxes(const CandidateGroup& group, const Module& module) {
   const Affine object_from_frame = group.box_from_object ? inverse(*group.box_from_object) : Affine{};
   std::vector<PlacedBox> boxes;
@@ -222,8 +269,9 @@ glm::dvec3 lookup_frame_error(const CandidateGroup& group) {
   return group.box_from_object ? float_error(*group.box_from_object, glm::dvec3(1.0)) : glm::dvec3(0.0);
 }
 
-Records flatten(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, IndexOptions index) {
-  return Flattening(module, grid_atlas, bitmap_atlas, index).run();
+Records flatten(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, IndexOptions index,
+                std::vector<SeedChain> chains) {
+  return Flattening(module, grid_atlas, bitmap_atlas, index, std::move(chains)).run();
 }
 
 namespace {

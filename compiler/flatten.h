@@ -9,6 +9,7 @@
 #include "compiler/lookup.h"
 #include "compiler/module.h"
 #include "compiler/program.h"
+#include "compiler/seed_chains.h"
 #include "shaders/records.h"
 
 namespace dmvv::compiler {
@@ -26,11 +27,17 @@ struct Records {
   std::vector<std::uint32_t> lists;
   std::vector<glm::vec4> scalings;     ///< of seeds that only scale, alike along all axes, and move: q = p * w + xyz
   std::vector<std::uint32_t> first_scaling;  ///< of each SDF; no_scaling where not all its seeds are such
+  std::vector<SeedChain> chains;          ///< SDFs that share a lookup: its lists hold the seeds of all, in the chain's order
+  std::vector<std::uint32_t> first_seed;  ///< of each SDF: the number of its first seed in the lists; 0 but for chains
   std::vector<std::uint32_t> objects;  ///< the reference of each object's root node (DMVV_REGION_BIT: a region)
 };
 
 /// Seeds of an SDF as boxes in the object's frame.
 std::vector<PlacedBox> placed_boxes(const Sdf& sdf, const Module& module);
+/// Seeds of all SDFs of a chain, one SDF after the other.
+std::vector<PlacedBox> placed_boxes(const SeedChain& chain, const Module& module);
+/// The least number of cells that their authors want, along each axis.
+glm::uvec3 index_size(const SeedChain& chain, const Module& module);
 /// Candidates of a group as boxes in its lookup frame (the INDEX box if it has one, else the object).
 std::vector<PlacedBox> placed_boxes(const CandidateGroup& group, const Module& module);
 /// Bound of the float32 error of a point in the group's lookup frame.
@@ -59,9 +66,10 @@ struct IndexOptions {
   double widened = 0.0;  ///< lists hold also what comes so near to a cell, in cells
 };
 
-/// Builds all records.
+/// Builds all records. Those of SDFs in chains are of no use to the generic walker.
 /// Cost: that of build_lookup for each list.
-Records flatten(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, IndexOptions index);
+Records flatten(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, IndexOptions index,
+                std::vector<SeedChain> chains = {});
 
 /// Records as text, one a line, stable.
 std::string to_text(const Records& records);

@@ -80,8 +80,13 @@ std::string Generator::entrance(Id<Node> id) {
   const Outcome outcome = outcome_of(id);
   if (outcome != Outcome::either) return outcome == Outcome::answers ? "true" : "false";
   const auto& decision = std::get<Decision>(at(module_.nodes, id).content);
-  const std::string test = sdf_name(decision.sdf) + "(p)";
-  const std::string negative = entrance(decision.negative), positive = entrance(decision.positive);
+  const SeedChain* const before = asked_chain_;
+  const std::string test = decision_test(decision.sdf);
+  const SeedChain* const asked = asked_chain_;
+  const std::string negative = entrance(decision.negative);
+  asked_chain_ = asked;
+  const std::string positive = entrance(decision.positive);
+  asked_chain_ = before;
   if (negative == "true") return positive == "false" ? test : fmt::format("({} || {})", test, positive);
   if (negative == "false") return positive == "true" ? "!" + test : fmt::format("(!{} && {})", test, positive);
   if (positive == "true") return fmt::format("(!{} || {})", test, negative);
@@ -140,8 +145,9 @@ void Generator::emit_flat_tree(Id<Node> root) {
   line("uint at = {};", guard_.empty() ? "0u" : guard_ + " ? 0u : DMVV_NO_REGION");
   for (const Id<Node> node : order) {
     const auto& decision = std::get<Decision>(at(module_.nodes, node).content);
-    line("if (at == {}u) at = {}(p) ? {} : {};", fmt::format("{}", number.at(node)), sdf_name(decision.sdf),
-         reference(decision.negative), reference(decision.positive));
+    const Link* const link = link_of(decision.sdf);
+    line("if (at == {}u) at = {} ? {} : {};", fmt::format("{}", number.at(node)),
+         decision_test(decision.sdf, link == nullptr || link->is_first()), reference(decision.negative), reference(decision.positive));
   }
   line("uint region = at & ~DMVV_REGION_BIT;");
 }
@@ -154,10 +160,14 @@ void Generator::emit_tree(Id<Node> id) {
   const auto& decision = std::get<Decision>(at(module_.nodes, id).content);
   if (is_inside_ && outcome_of(decision.positive) == Outcome::misses) return emit_tree(decision.negative);
   if (is_inside_ && outcome_of(decision.negative) == Outcome::misses) return emit_tree(decision.positive);
-  open(fmt::format("if ({}(p))", sdf_name(decision.sdf)));
+  const SeedChain* const before = asked_chain_;
+  open(fmt::format("if ({})", decision_test(decision.sdf)));
+  const SeedChain* const asked = asked_chain_;
   emit_tree(decision.negative);
+  asked_chain_ = asked;
   otherwise();
   emit_tree(decision.positive);
+  asked_chain_ = before;
   close();
 }
 

@@ -65,6 +65,7 @@ std::string Generator::box_test(const LocalBox& box, const std::string& q) const
 }
 
 void Generator::emit_sdf(Id<Sdf> id) {
+  if (const Link* link = link_of(id)) return emit_chain(*link->chain);
   if (!emitted_.insert(id).second) return;
   const Sdf& sdf = at(module_.sdfs, id);
   line("// {}", sdf.name);
@@ -129,32 +130,70 @@ void Generator::emit_range(const gpu::LookupRecord& lookup, const std::string& p
        fmt::format("{}", lookup.size_x), fmt::format("{}", lookup.size_y), fmt::format("{}", lookup.size_z));
 }
 
-void Generator::emit_seeded(Id<Sdf> id, const Sdf& sdf) {
-  const gpu::SdfRecord& record = records_.sdfs[id.index];
+void Generator::emit_seeded(Id<Sdf> id, const Sdf&) {
+  emit_seed_search(std::span(&id, 1));
+  line("return negative;");
+}
+
+void Generator::emit_chain(const SeedChain& chain) {
+  if (!emitted_.insert(chain.front()).second) return;
+  for (const Id<Sdf> sdf : chain) line("// {}", at(module_.sdfs, sdf).name);
+  open(fmt::format("uint {}(vec3 p)", chain_name(chain)));
+  emit_seed_search(chain);
+  line("uint first = 0u;");
+  for (std::uint32_t i = 1; i < chain.size(); ++i) {
+    line("if (seed >= {}u) first = {}u;", fmt::format("{}", records_.first_seed[chain[i].index]), fmt::format("{}", i));
+  }
+  line("return negative ? first : {}u;", fmt::format("{}", chain.size()));
+  close();
+  line("");
+  add(chain_name(chain));
+}
+
+void Generator::emit_seed_search(std::span<const Id<Sdf>> sdfs) {
+  const gpu::SdfRecord& record = records_.sdfs[sdfs.front().index];
   emit_range(record.lookup, "p");
   line("uint asked = 0u;");
+  line("uint seed = 0u;");
   line("bool negative = false;");
   if (reaches()) line("Local outer = local;");
   open("for (uint i = range.x; i < range.y && !negative; ++i)");
   line("++asked;");
+  line("seed = list_at(i);");
   Placements seeds;
-  for (const Affine& affine : sdf.local_from_object) seeds.add(affine);
-  if (const std::uint32_t first = records_.first_scaling[id.index]; first != no_scaling && options_.fold_affine) {
+  for (const Id<Sdf> sdf : sdfs) {
+    for (const Affine& affine : at(module_.sdfs, sdf).local_from_object) seeds.add(affine);
+  }
+  const bool scales = std::ranges::all_of(sdfs, [&](Id<Sdf> sdf) { return records_.first_scaling[sdf.index] != no_scaling; });
+  if (scales && options_.fold_affine) {
     out_.uses.scalings = true;
-    line("vec4 scaling = scaling_at({} + list_at(i));", fmt::format("{}u", first));
+    line("vec4 scaling = scaling_at({} + seed);", fmt::format("{}u", records_.first_scaling[sdfs.front().index]));
     line("vec3 q = p * scaling.w + scaling.xyz;");
     if (reaches()) line("local = scaled(outer, abs(scaling.w), {});", bound(seeds.error));
   } else {
     out_.uses.placements = true;
-    const std::string placement = fmt::format("placement_affine({}u + list_at(i))", record.first_placement);
+    const std::string placement = fmt::format("placement_affine({}u + seed)", record.first_placement);
     line("vec3 q = apply({}, p);", placement);
     if (reaches()) line("local = {};", seeds.frame(placement));
   }
-  emit_boxed_test("negative = ", asked_box(sdf, module_), id);
+  emit_boxed_test("negative = ", asked_box(at(module_.sdfs, sdfs.front()), module_), sdfs.front());
   close();
   if (reaches()) line("local = outer;");
   line("hit_unfinished = hit_unfinished || (!negative && asked != range.y - range.x);");
-  line("return negative;");
+}
+
+std::string Generator::decision_test(Id<Sdf> id, bool asks) const {
+  const Link* const link = link_of(id);
+  if (link == nullptr) return sdf_name(id) + "(p)";
+  if (!asks) return fmt::format("(first_negative == {}u)", link->number);
+  return fmt::format("((first_negative = {}(p)) == {}u)", chain_name(*link->chain), link->number);
+}
+
+std::string Generator::decision_test(Id<Sdf> id) {
+  const Link* const link = link_of(id);
+  const std::string test = decision_test(id, link == nullptr || link->chain != asked_chain_);
+  if (link != nullptr) asked_chain_ = link->chain;
+  return test;
 }
 
 }  // namespace dmvv::compiler

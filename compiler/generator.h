@@ -14,6 +14,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -41,7 +42,11 @@ struct Continuation {
 class Generator : GlslWriter {
  public:
   Generator(const Module& module, const Records& records, const Atlas& grid_atlas, const GlslOptions& options)
-      : module_(module), records_(records), grid_atlas_(grid_atlas), options_(options) {}
+      : module_(module), records_(records), grid_atlas_(grid_atlas), options_(options) {
+    for (const SeedChain& chain : records.chains) {
+      for (std::uint32_t i = 0; i < chain.size(); ++i) links_.emplace(chain[i], Link{&chain, i});
+    }
+  }
   Evaluation run();
 
  private:
@@ -108,6 +113,21 @@ class Generator : GlslWriter {
   std::string limit_box(const LocalBox& box, const std::string& q, double slope, double error) const;
   void emit_bitmap_test();
   std::string box_test(const LocalBox& box, const std::string& q) const;
+  /// Of an SDF in a chain (compiler/seed_chains.h).
+  struct Link {
+    const SeedChain* chain;
+    std::uint32_t number;
+    bool is_first() const { return number == 0; }
+  };
+  const Link* link_of(Id<Sdf> id) const {
+    const auto found = links_.find(id);
+    return found != links_.end() ? &found->second : nullptr;
+  }
+  static std::string chain_name(const SeedChain& chain) { return fmt::format("first_of_{}", chain.front().index); }
+  /// Whether the SDF is negative at p, as one expression in brackets or a call. `asks`: of a chain nothing has been asked yet.
+  std::string decision_test(Id<Sdf> id, bool asks) const;
+  /// Likewise; asks a chain where its first test stands.
+  std::string decision_test(Id<Sdf> id);
   void emit_sdf(Id<Sdf> id);
   void emit_single(Id<Sdf> id, const Sdf& sdf);
   /// Whether q lies in the box and is negative. Outside of it nothing is, so a positive point may cross its walls.
@@ -119,6 +139,9 @@ class Generator : GlslWriter {
   /// The range of p's cell in the lists.
   void emit_range(const gpu::LookupRecord& lookup, const std::string& p);
   void emit_seeded(Id<Sdf> id, const Sdf& sdf);
+  void emit_chain(const SeedChain& chain);
+  /// Finds the first seed of p's cell that is negative: `bool negative`, and its number in the list's count, `seed`.
+  void emit_seed_search(std::span<const Id<Sdf>> sdfs);
 
   // ---- objects ----
   static std::string object_name(Id<Object> id) { return fmt::format("object_{}", id.index); }
@@ -225,6 +248,8 @@ class Generator : GlslWriter {
   std::optional<std::uint32_t> stage_;  ///< that is being written
   std::uint32_t divided_ = 0;           ///< its objects so far
   std::set<Id<Sdf>> emitted_;
+  std::map<Id<Sdf>, Link> links_;
+  const SeedChain* asked_chain_ = nullptr;  ///< on the way to the decision that is being written
   Families families_;
   std::vector<std::string> united_names_;               ///< of each family of objects
   std::map<Id<Object>, std::uint32_t> united_objects_;  ///< their families

@@ -167,6 +167,12 @@ std::string united_found(const Statistics& statistics) {
   return fmt::format("{} objects share {} function{}", statistics.united_objects, functions, functions == 1 ? "" : "s");
 }
 
+std::string chained(const Statistics& statistics) {
+  const std::uint32_t chains = statistics.seed_chains;
+  if (chains == 0) return "nothing to do";
+  return fmt::format("{} SDFs share {} search{}", statistics.chained_sdfs, chains, chains == 1 ? "" : "es");
+}
+
 std::string sunk(const Statistics& statistics) {
   if (statistics.listed_objects == 0) return "nothing to do";
   return fmt::format("loops ask {} of {} objects only whether they answer", statistics.sunk_objects, statistics.listed_objects);
@@ -223,7 +229,13 @@ struct RecordBytes {
 
 class StockTaking {
  public:
-  StockTaking(const Module& module, const CompileOptions& options) : module_(module), options_(options) {}
+  /// `chains`: SDFs that share a lookup.
+  StockTaking(const Module& module, const CompileOptions& options, const std::vector<SeedChain>& chains)
+      : module_(module), options_(options), chain_of_(module.sdfs.size(), nullptr) {
+    for (const SeedChain& chain : chains) {
+      for (const Id<Sdf> sdf : chain) chain_of_[sdf.index] = &chain;
+    }
+  }
 
   void run() {
     sdf_counted_.assign(module_.sdfs.size(), false);
@@ -255,8 +267,12 @@ class StockTaking {
       bytes.sdfs += sizeof(gpu::SdfRecord);
       bytes.placements += sdf.local_from_object.size() * sizeof(gpu::PlacementRecord);
       if (only_scale(sdf)) bytes.scalings += sdf.local_from_object.size() * sizeof(glm::vec4);
-      if (sdf.placement == voml::Placement::seeded) {
+      if (sdf.placement != voml::Placement::seeded) continue;
+      const SeedChain* const chain = chain_of_[i];
+      if (chain == nullptr) {
         count_lookup(placed_boxes(sdf, module_), sdf.index_size, glm::dvec3(0.0), bytes);
+      } else if (chain->front() == Id<Sdf>{i}) {
+        count_lookup(placed_boxes(*chain, module_), index_size(*chain, module_), glm::dvec3(0.0), bytes);
       }
     }
     for (const std::uint32_t i : tree.regions) {
@@ -296,6 +312,7 @@ class StockTaking {
 
   const Module& module_;
   const CompileOptions& options_;
+  std::vector<const SeedChain*> chain_of_;  // of each SDF
   std::vector<bool> sdf_counted_;
 };
 
@@ -306,7 +323,12 @@ std::optional<Inventory> take_inventory(Module module, const CompileOptions& opt
   if (!can_evaluate(module, diagnostics)) return std::nullopt;
   Inventory result;
   result.passes = run_and_tell(module, options);
-  StockTaking stock(module, options);
+  auto program = compile(module, options, diagnostics);
+  if (!program) return std::nullopt;
+  result.program = std::move(*program);
+  const bool shares = result.program.statistics.seed_chains != 0;
+  const std::vector<SeedChain> chains = shares ? seed_chains(module, options) : std::vector<SeedChain>{};
+  StockTaking stock(module, options, chains);
   stock.run();
   for (PassEffect& effect : result.passes) {
     if (effect.pass != "index" || effect.effect == "off") continue;
@@ -315,15 +337,13 @@ std::optional<Inventory> take_inventory(Module module, const CompileOptions& opt
                                      : fmt::format("{} list{} of {} entries in {} cells, {} at most in one", found.lists,
                                                    found.lists == 1 ? "" : "s", found.entries, found.cells, found.longest);
   }
-  auto program = compile(std::move(module), options, diagnostics);
-  if (!program) return std::nullopt;
-  result.program = std::move(*program);
   for (PassEffect& effect : result.passes) {
     if (effect.effect == "off") continue;
     if (effect.pass == "tapes") effect.effect = tapes_found(result.program);
     if (effect.pass == "shorten-tapes") effect.effect = cells_found(result.program);
     if (effect.pass == "refine-index") effect.effect = refined(stock.found);
     if (effect.pass == "unite-shapes") effect.effect = united_found(result.program.statistics);
+    if (effect.pass == "chain-seeds") effect.effect = chained(result.program.statistics);
     if (effect.pass == "sink-answers") effect.effect = sunk(result.program.statistics);
     if (effect.pass == "stages") effect.effect = stages_found(result.program.statistics);
     if (effect.pass == "texel-records") effect.effect = texels_found(result.program, options);

@@ -108,8 +108,10 @@ struct Judge::Impl {
     return function != nullptr && animated[function->index];
   }
 
-  /// What a lookup lists for the cells that a spot touches, ascending; none if that is too much.
-  std::optional<std::vector<std::uint32_t>> listed(const gpu::LookupRecord& lookup, const Spot& q) const;
+  /// What a lookup lists for the cells that a spot touches, ascending: of numbers from `begin` on, counted from there,
+  /// `count` at most; none if that is too much.
+  std::optional<std::vector<std::uint32_t>> listed(const gpu::LookupRecord& lookup, const Spot& q, std::uint32_t begin,
+                                                   std::size_t count) const;
   /// Of the source of an SDF at points of a frame.
   Side side_of(Id<Sdf> id, const Spot& q, std::span<const snippet::BoxFunction> functions) const;
 
@@ -117,7 +119,8 @@ struct Judge::Impl {
   Range range_of_grid(Id<voml::Grid> id, double iso, const glm::dvec3& lo, const glm::dvec3& hi) const;
 };
 
-std::optional<std::vector<std::uint32_t>> Judge::Impl::listed(const gpu::LookupRecord& lookup, const Spot& q) const {
+std::optional<std::vector<std::uint32_t>> Judge::Impl::listed(const gpu::LookupRecord& lookup, const Spot& q, std::uint32_t begin,
+                                                              std::size_t count) const {
   const glm::dvec3 lo(lookup.lo), per_unit(lookup.cells_per_unit);
   const glm::dvec3 last = glm::dvec3(lookup.size_x, lookup.size_y, lookup.size_z) - 1.0;
   const auto cell = [&](const glm::dvec3& p) {
@@ -131,7 +134,10 @@ std::optional<std::vector<std::uint32_t>> Judge::Impl::listed(const gpu::LookupR
     for (std::uint32_t y = first.y; y < end.y; ++y) {
       for (std::uint32_t x = first.x; x < end.x; ++x) {
         const std::size_t c = lookup.first_cell + (std::size_t{z} * lookup.size_y + y) * lookup.size_x + x;
-        all.insert(all.end(), records.lists.begin() + records.cells[c], records.lists.begin() + records.cells[c + 1]);
+        for (std::size_t i = records.cells[c]; i < records.cells[c + 1]; ++i) {
+          const std::uint32_t number = records.lists[i] - begin;  // of those before it a large one
+          if (number < count) all.push_back(number);
+        }
       }
     }
   }
@@ -298,7 +304,8 @@ struct Inquiry::Impl {
     if (sdf.placement != voml::Placement::seeded) {
       return ask_source(frames.emplace_front(enter(sdf.local_from_object.front(), *arrival.frame, arrival.spot)), asked);
     }
-    const auto seeds = judge.listed(judge.records.sdfs[asked.sdf.index].lookup, arrival.spot);
+    const auto seeds = judge.listed(judge.records.sdfs[asked.sdf.index].lookup, arrival.spot,
+                                    judge.records.first_seed[asked.sdf.index], sdf.local_from_object.size());
     if (!seeds) {
       asked.side = Side::open;
       asked.has_all = false;
@@ -336,7 +343,7 @@ struct Inquiry::Impl {
         const bool is_tiled = group.candidates[candidate.index].tiled;  // perhaps not wrapped there
         ask_candidate(candidate.index, *candidate.frame, is_tiled ? nullptr : candidate.arrival.get(), asked);
       }
-    } else if (const auto candidates = judge.listed(record.lookup, in_box)) {
+    } else if (const auto candidates = judge.listed(record.lookup, in_box, 0, group.candidates.size())) {
       for (const std::uint32_t i : *candidates) {
         const Affine& step = group.candidates[i].local_from_parent;
         ask_candidate(i, frames.emplace_front(enter(step, *arrival.frame, arrival.spot)), nullptr, asked);

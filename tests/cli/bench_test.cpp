@@ -37,7 +37,7 @@ TEST_CASE("a scene is measured with every setting: table, JSON and plots") {
   }
   CHECK(variants == std::vector<std::string>{"auto", "specialised", "table", "thesis", "camera swings", "time goes on",
                                              "no merge-assets", "no prune-sides", "no drop-unreachable", "no trim-cubes", "no index", "no refine-index",
-                                             "no fold-affine", "no unite-shapes", "no sink-answers", "no box-tests", "no stages", "no tapes", "no shorten-tapes", "no texel-records",
+                                             "no chain-seeds", "no fold-affine", "no unite-shapes", "no sink-answers", "no box-tests", "no stages", "no tapes", "no shorten-tapes", "no texel-records",
                                              "no pixel-list"});
   const std::string plot = folder.read("plots/settings_nested.svg");
   CHECK(plot.find("<svg") != std::string::npos);

@@ -109,6 +109,41 @@ inline std::string strangers_scene() {
   return text + "<MAPPINGS><SDF name='S'><POSITIVE region='ABOVE'/><NEGATIVE region='BELOW'/></SDF></MAPPINGS></OBJECT></MVV>";
 }
 
+/// Seeds of one ball in many SDFs that ask one after the other (compiler/seed_chains.h): GRAINS only scale, and whether they answer
+/// is told first in a list; of TURNED one only scales; MANY is a long chain that an offset cuts in two, and embeds both.
+inline SceneCase seed_chains_case() {
+  Random random(11);
+  const int count = 18;
+  Files files{{"ball.lxn", sphere_lxn(24, 0.8)}, {"r.txt", vector_lines(random, 12, -180, 180)}};
+  for (int i = 0; i < count; ++i) {
+    files[fmt::format("p{}.txt", i)] = vector_lines(random, 12, -0.8, 0.8);
+    std::string scales;
+    for (int k = 0; k < 12; ++k) scales += fmt::format("{0:.4f} {0:.4f} {0:.4f}\n", 0.12 + 0.1 * random.point(0.0, 1.0).x);
+    files[fmt::format("s{}.txt", i)] = scales;
+  }
+  const auto sdf = [](int i, const std::string& more = {}) {
+    return fmt::format("<SDF name='S{0}' type='seeding' file='ball.lxn' seedFile='p{0}.txt' scaleFile='s{0}.txt' {1}/>", i, more);
+  };
+  const auto object = [](const std::string& name, const std::string& sdfs, int first, int end, const std::string& inside, const std::string& last) {
+    std::string regions, tree = "<REGION name='LAST'/>";
+    for (int i = end; i-- > first;) {
+      regions += fmt::format("<REGION name='R{}' type='color' rgb='{:.3f} 0.4 0.6'>{}</REGION>", i, i / 18.0, i % 3 == 2 ? inside : "");
+      tree = fmt::format("<SDF name='S{0}'><POSITIVE>{1}</POSITIVE><NEGATIVE><REGION name='R{0}'/></NEGATIVE></SDF>", i, tree);
+    }
+    return "<OBJECT name='" + name + "'>" + sdfs + regions + last + "<MAPPINGS name='" + name + "'>" + tree + "</MAPPINGS></OBJECT>";
+  };
+  std::string text = "<MVV>" + object("GRAINS", sdf(0) + sdf(1) + sdf(2) + sdf(3), 0, 4, "", "<REGION name='LAST' type='empty'/>");
+  const std::string grains = "<EMBEDDED name='GRAINS' scale='0.5 0.5 0.5' translate='0.2 0.3 0'/><EMBEDDED name='GRAINS' scale='0.4 0.4 0.4' "
+                             "translate='-0.4 0 0.2' rotate='10 20 30'/>";
+  text += object("TURNED", sdf(4, "rotateFile='r.txt'") + sdf(5) + sdf(6, "rotateFile='r.txt'"), 4, 7, grains,
+                 "<REGION name='LAST' type='color' rgb='0 0.2 1'/>");
+  std::string many;
+  for (int i = 0; i < count; ++i) many += sdf(i, i == 9 ? "offset='0.05'" : "");
+  text += object("MANY", many, 0, count, grains,
+                 "<REGION name='LAST' type='empty'>" + grains + "<EMBEDDED name='TURNED' scale='0.9 0.9 0.9' translate='0 -0.2 0'/></REGION>");
+  return {"seeds of a shape in chains of decisions", text + "</MVV>", files};
+}
+
 inline std::vector<SceneCase> make_conformance_scenes() {
   std::vector<SceneCase> scenes;
   const std::string ball = sphere_lxn(24, 0.8);
@@ -204,6 +239,7 @@ inline std::vector<SceneCase> make_conformance_scenes() {
            "<EMBEDDED name='CELL' scale='0.9 0.9 0.9'/></REGION></OBJECT></MVV>",
        {{"ball.lxn", ball}}});
   scenes.push_back({"objects of a shape and strangers in one list", strangers_scene(), {}});
+  scenes.push_back(seed_chains_case());
   return scenes;
 }
 
