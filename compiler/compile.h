@@ -10,7 +10,6 @@
 #include "compiler/cost_model.h"
 #include "compiler/module.h"
 #include "compiler/program.h"
-#include "compiler/seed_chains.h"
 #include "compiler/stage_options.h"
 #include "compiler/tape_options.h"
 #include "voml/result.h"
@@ -50,8 +49,6 @@ bool writes_code(const CompileOptions& options);
 
 /// How such a program looks seeds and candidates up.
 IndexOptions index_options(const CompileOptions& options);
-/// Which SDFs would share a lookup: none if the pass is off, or nothing is written as code.
-std::vector<SeedChain> seed_chains(const Module& module, const CompileOptions& options);
 
 /// Refuses what this version cannot evaluate, on the CPU or the GPU.
 /// Errors: E0304 embedding deeper than 256 levels.
