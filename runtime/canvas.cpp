@@ -37,7 +37,7 @@ std::future<Result<Canvas>> Canvas::prepare_async(std::shared_future<Result<Devi
       if (view.slice) return canvas;
       auto rasteriser = prepare(opening, view);
       if (!rasteriser) return tl::unexpected(std::move(rasteriser.error()));
-      canvas.rasteriser = std::move(*rasteriser);
+      canvas.rasteriser_ = std::move(*rasteriser);
       return canvas;
     });
   });

@@ -184,7 +184,7 @@ Evaluator::Impl::Impl(const Device::Impl& device, const compiler::Program& progr
     : gpu(device), depth(program.depth), time_functions(program.time_functions), judge(program.judge),
       has_bitmaps(std::ranges::find(program.textures, std::uint32_t{DMVV_BIND_BITMAP_ATLAS}, &compiler::Texture::binding) !=
                   program.textures.end()),
-      rasteriser(std::move(canvas.rasteriser)) {
+      rasteriser(std::move(canvas.rasteriser_)) {
   for (std::size_t i = 0; i < code.size(); ++i) code[i] = program.spirv[i];
   stages = program.stages;
   for (compiler::Stage& stage : stages) stage.glsl.clear();

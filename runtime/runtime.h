@@ -94,7 +94,7 @@ class Canvas {
 
  private:
   friend class Evaluator;
-  std::unique_ptr<Rasteriser> rasteriser;
+  std::unique_ptr<Rasteriser> rasteriser_;
 };
 
 /// A program on a device: its buffers and textures uploaded, its pipelines made when first needed.
