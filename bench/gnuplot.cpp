@@ -1,20 +1,13 @@
 #include "bench/gnuplot.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <filesystem>
 #include <sstream>
 #include <system_error>
-#include <vector>
 
+#include "bench/process.h"
 #include "voml/files.h"
-
-extern char** environ;
 
 namespace dmvv::bench {
 namespace {
@@ -50,22 +43,9 @@ Result<void> draw(const std::string& gnuplot, const Plot& plot, const std::strin
   const Temporary script{path + ".gp"}, log{path + ".log"};
   if (auto written = write_file(script.path, preamble(path) + plot.script); !written) return written;
 
-  std::string program = gnuplot, script_path = script.path;
-  char* const arguments[] = {program.data(), script_path.data(), nullptr};
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, log.path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
-  pid_t process = -1;
-  const int error = posix_spawn(&process, program.c_str(), &files, nullptr, arguments, environ);
-  posix_spawn_file_actions_destroy(&files);
-  if (error != 0) {
-    return fail(Fault::environment, fmt::format("cannot start '{}': {}", gnuplot, std::generic_category().message(error)));
-  }
-  int status = 0;
-  while (waitpid(process, &status, 0) == -1 && errno == EINTR) continue;
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
+  const auto is_drawn = run_program({gnuplot, script.path}, environment_variables(), log.path);
+  if (!is_drawn) return tl::unexpected(is_drawn.error());
+  if (*is_drawn) return {};
   Error failure{Fault::environment, fmt::format("gnuplot could not draw '{}'", plot.name), {}};
   std::istringstream lines(disk_files()(log.path, 1 << 20).value_or(""));
   for (std::string line; failure.reasons.size() < 10 && std::getline(lines, line);) failure.reasons.push_back("gnuplot: " + line);

@@ -1,14 +1,13 @@
 #include "bench/start.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include <fmt/ranges.h>
 
 #include <chrono>
-#include <cstring>
 #include <optional>
+
+#include "bench/process.h"
+#include "voml/files.h"
 
 namespace dmvv::bench {
 namespace {
@@ -32,37 +31,22 @@ std::vector<std::string> command(const SceneSource& source, const StartOptions& 
   return words;
 }
 
-/// The process' environment, but for the folder of all caches.
-std::vector<std::string> environment(const std::string& caches) {
-  std::vector<std::string> variables{"XDG_CACHE_HOME=" + caches};
-  for (char** variable = environ; *variable != nullptr; ++variable) {
-    const std::string_view text = *variable;
-    const bool is_cache = text.starts_with("XDG_CACHE_HOME=") || text.starts_with("MESA_SHADER_CACHE_") || text.starts_with("__GL_SHADER_DISK_CACHE");
-    if (!is_cache) variables.emplace_back(text);
-  }
+/// Those of this process, but for the folder of all caches.
+std::vector<std::string> variables_with(const std::string& caches) {
+  std::vector<std::string> variables = environment_variables();
+  std::erase_if(variables, [](const std::string& variable) {
+    return variable.starts_with("XDG_CACHE_HOME=") || variable.starts_with("MESA_SHADER_CACHE_") ||
+           variable.starts_with("__GL_SHADER_DISK_CACHE");
+  });
+  variables.push_back("XDG_CACHE_HOME=" + caches);
   return variables;
 }
 
-std::vector<char*> pointers(std::vector<std::string>& words) {
-  std::vector<char*> result;
-  for (std::string& word : words) result.push_back(word.data());
-  result.push_back(nullptr);
-  return result;
-}
-
 /// Milliseconds that it took; none if it failed.
-std::optional<double> run(std::vector<std::string> words, const std::string& caches) {
-  std::vector<std::string> variables = environment(caches);
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+std::optional<double> timed(const std::vector<std::string>& words, const std::string& caches) {
   const auto start = std::chrono::steady_clock::now();
-  pid_t process = -1;
-  const int error = posix_spawn(&process, words.front().c_str(), &files, nullptr, pointers(words).data(), pointers(variables).data());
-  posix_spawn_file_actions_destroy(&files);
-  int status = 0;
-  if (error != 0 || waitpid(process, &status, 0) != process || !WIFEXITED(status) || WEXITSTATUS(status) != 0) return std::nullopt;
+  const auto done = run_program(words, variables_with(caches), "/dev/null");
+  if (!done || !*done) return std::nullopt;
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
@@ -75,7 +59,7 @@ Starts measure_starts(const SceneSource& source, const StartOptions& options) {
   for (std::uint32_t i = 0; i < options.cold; ++i) {
     const TemporaryFolder caches;
     const auto once = [&](std::vector<double>& times) {
-      const auto ms = run(words, caches.path());
+      const auto ms = timed(words, caches.path());
       if (ms) times.push_back(*ms);
       else starts.failure = fmt::format("'{}' failed", fmt::join(words, " "));
     };
