@@ -8,96 +8,266 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
 
-#include "voml/limits.h"
+#include "authoring/json_text.h"
+#include "authoring/text_input.h"
+#include "voml/text.h"
 
 namespace dmvv::authoring {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct Refusal {
+  const Json& at;
   Code code;
   std::string message;
 };
 
-double number(const Json& list, std::size_t i, std::size_t count, const std::string& where) {
-  if (!list.is_array() || list.size() != count || !list[i].is_number())
-    throw Refusal{Code::cellpack_syntax, fmt::format("{} is not a list of {} numbers", where, count)};
-  return list[i].get<double>();
+[[noreturn]] void refuse(const Json& at, std::string message, Code code = Code::cellpack_syntax) {
+  throw Refusal{at, code, std::move(message)};
 }
 
-glm::dvec3 vector(const Json& list, const std::string& where) {
-  return {number(list, 0, 3, where), number(list, 1, 3, where), number(list, 2, 3, where)};
+double number(const Json& json) {
+  if (!json.is_number()) refuse(json, "this is not a number");
+  const double value = json.get<double>();
+  if (!(std::abs(value) <= std::numeric_limits<float>::max())) refuse(json, "a number is beyond the range of float32");
+  return value;
 }
 
-Ingredient ingredient_of(const std::string& name, const std::string& place, const Json& json, Packing& packing) {
-  Ingredient result{name, place, {}, {}};
-  const Json& results = json["results"];
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    const std::string where = fmt::format("placement {} of '{}'", i + 1, name);
-    if (!results[i].is_array() || results[i].size() != 2)
-      throw Refusal{Code::cellpack_syntax, where + " is not a position and a quaternion"};
-    const Json& q = results[i][1];
-    const auto rotation = quaternion_rotation(number(q, 0, 4, where), number(q, 1, 4, where), number(q, 2, 4, where),
-                                              number(q, 3, 4, where));
-    if (!rotation) throw Refusal{Code::not_a_rotation, "the quaternion of " + where + " is too far from unit length"};
-    packing.repaired += rotation->fault > exact_rotation;
-    packing.worst = std::max(packing.worst, rotation->fault);
-    result.placements.push_back({vector(results[i][0], where), rotation->matrix, glm::dvec3(1.0)});
-  }
-  const auto level = [&](const char* key) -> const Json& {
-    if (!json.contains(key) || !json[key].is_array() || json[key].empty() || !json[key][0].is_array())
-      throw Refusal{Code::cellpack_syntax, fmt::format("'{}' has no beads: '{}' is missing or empty", name, key)};
-    return json[key][0];
-  };
-  const Json &positions = level("positions"), &radii = level("radii");
-  if (positions.empty() || positions.size() != radii.size())
-    throw Refusal{Code::cellpack_syntax,
-                  fmt::format("'{}' has {} beads and {} radii", name, positions.size(), radii.size())};
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    const double radius = number(radii, i, radii.size(), fmt::format("radii of '{}'", name));
-    if (!(radius > 0.0)) throw Refusal{Code::cellpack_syntax, fmt::format("a radius of '{}' is not positive", name)};
-    result.beads.push_back({vector(positions[i], fmt::format("bead {} of '{}'", i + 1, name)), radius});
-  }
+std::vector<double> numbers(const Json& list) {
+  if (!list.is_array()) refuse(list, "this is not a list of numbers");
+  std::vector<double> result;
+  for (const Json& json : list) result.push_back(number(json));
   return result;
 }
 
+glm::dvec3 vector(const Json& list) {
+  if (!list.is_array() || list.size() != 3) refuse(list, "this is not a list of 3 numbers");
+  return {number(list[0]), number(list[1]), number(list[2])};
+}
+
+/// A value that is there, not null and not an empty list; else null.
+const Json* find(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found == object.end() || found->is_null() || (found->is_array() && found->empty()) ? nullptr : &*found;
+}
+
+/// The first level of detail of `positions` or `radii`; null if there is none. Without levels it is the value itself,
+/// whose entries are then single points (`point`) or numbers.
+const Json* first_level(const Json& ingredient, const char* key, bool point) {
+  const Json* const value = find(ingredient, key);
+  if (!value || value->is_object()) return value;
+  if (!value->is_array()) refuse(*value, fmt::format("'{}' is not a list", key));
+  const Json& first = value->front();
+  const bool is_point = point && first.is_array() && first.size() == 3 && first[0].is_number();
+  if (first.is_number() || is_point) return value;
+  if (!first.is_array() && !first.is_object()) refuse(first, fmt::format("'{}' holds neither lists nor objects", key));
+  return first.empty() ? nullptr : &first;
+}
+
+/// The list of a level: itself, or that of an object {"coords": [...]}, {"radii": [...]}.
+const Json& list_of(const Json& level, const char* key) {
+  if (!level.is_object()) return level;
+  const auto list = level.find(key);
+  if (list == level.end()) refuse(level, fmt::format("a level of detail without '{}'", key));
+  return *list;
+}
+
+/// [[x, y, z], ...] or [x, y, z, x, ...]
+std::vector<glm::dvec3> points_of(const Json& list) {
+  std::vector<glm::dvec3> points;
+  if (list.is_array() && !list.empty() && list[0].is_array()) {
+    for (const Json& point : list) points.push_back(vector(point));
+    return points;
+  }
+  const std::vector<double> flat = numbers(list);
+  if (flat.size() % 3 != 0) refuse(list, fmt::format("{} numbers are no points of three", flat.size()));
+  for (std::size_t i = 0; i < flat.size(); i += 3) points.push_back({flat[i], flat[i + 1], flat[i + 2]});
+  return points;
+}
+
+double positive_radius(const Json& json) {
+  const double radius = number(json);
+  if (!(radius > 0.0) || !voml::usable_scale(radius)) refuse(json, "a radius must be greater than zero");
+  return radius;
+}
+
+/// An ingredient as it stands in the file.
+class IngredientReader {
+ public:
+  IngredientReader(const std::string& name, const Json& json, const RadiusOf& radius_of, Packing& packing)
+      : name_(name), json_(json), radius_of_(radius_of), packing_(packing) {}
+
+  std::vector<Placement> placements() {
+    std::vector<Placement> result;
+    for (const Json& entry : json_["results"]) {
+      if (!entry.is_array() || entry.size() != 2 || !entry[1].is_array())
+        refuse(entry, "a placement is [position, rotation]; the rotation a quaternion, or a matrix of 3 or 4 rows");
+      const bool matrix = !entry[1].empty() && entry[1][0].is_array();
+      result.push_back(matrix ? matrix_placement(entry) : quaternion_placement(entry));
+    }
+    return result;
+  }
+
+  std::vector<Bead> beads() {
+    const Json *const positions = first_level(json_, "positions", true), *const radii =
+                                                                             first_level(json_, "radii", false);
+    const std::vector<double> known = radii ? radii_of(list_of(*radii, "radii")) : std::vector<double>{};
+    std::vector<glm::dvec3> points = positions ? points_of(list_of(*positions, "coords")) : std::vector<glm::dvec3>{};
+    if (points.empty() && known.size() < 2) {
+      ++packing_.without_beads;
+      return {{glm::dvec3(0.0), known.empty() ? own_radius() : known[0]}};
+    }
+    if (!known.empty() && known.size() != points.size())
+      refuse(*radii, fmt::format("'{}' has {} beads and {} radii", name_, points.size(), known.size()));
+    std::vector<Bead> result;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      result.push_back({points[i], known.empty() ? given_radius("has beads without radii") : known[i]});
+    return result;
+  }
+
+ private:
+  static std::vector<double> radii_of(const Json& list) {
+    if (!list.is_array()) refuse(list, "this is not a list of numbers");
+    std::vector<double> radii;
+    for (const Json& radius : list) radii.push_back(positive_radius(radius));
+    return radii;
+  }
+
+  /// Of an ingredient without beads.
+  double own_radius() const {
+    for (const char* const key : {"radius", "encapsulatingRadius"})
+      if (const Json* const radius = find(json_, key); radius && !(radius->is_number() && *radius == 0.0))
+        return positive_radius(*radius);
+    return given_radius("has neither beads nor a 'radius' or 'encapsulatingRadius'");
+  }
+
+  double given_radius(std::string_view lack) const {
+    const double radius = radius_of_ ? radius_of_(name_) : 0.0;
+    if (radius > 0.0) return radius;
+    refuse(json_, fmt::format("'{}' {}; give it a radius by --radius, or in the table of --kinds", name_, lack));
+  }
+
+  Placement placed(const glm::dvec3& position, const std::optional<Rotation>& rotation, const Json& at) {
+    if (!rotation) {
+      refuse(at, fmt::format("this rotation of '{}' is too far from orthogonal, or mirrors", name_),
+             Code::not_a_rotation);
+    }
+    packing_.repaired += rotation->fault > exact_rotation;
+    packing_.worst = std::max(packing_.worst, rotation->fault);
+    return {position, rotation->matrix, glm::dvec3(1.0)};
+  }
+
+  Placement quaternion_placement(const Json& entry) {
+    const std::vector<double> q = numbers(entry[1]);
+    if (q.size() != 4) refuse(entry[1], "a quaternion has 4 numbers");
+    // Programs that write the axis of an ingredient under this name put the real part last; see spec/seeds.md.
+    const bool real_last = json_.contains("principalAxis");
+    packing_.real_last += real_last;
+    const auto rotation =
+        real_last ? quaternion_rotation(q[3], q[0], q[1], q[2]) : quaternion_rotation(q[0], q[1], q[2], q[3]);
+    return placed(vector(entry[0]), rotation, entry[1]);
+  }
+
+  /// p_world = matrix * p_local: its rows are lists, a fourth column moves.
+  Placement matrix_placement(const Json& entry) {
+    const Json& rows = entry[1];
+    if (rows.size() != 3 && rows.size() != 4) refuse(rows, "a rotation has 3 or 4 rows");
+    glm::dmat3 matrix;
+    glm::dvec3 position = vector(entry[0]), moved(0.0);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const std::vector<double> row = numbers(rows[i]);
+      if (row.size() != 4 && (row.size() != 3 || rows.size() != 3))
+        refuse(rows[i], "a row of a rotation has as many numbers as there are rows");
+      if (i == 3) {
+        if (row != std::vector<double>{0.0, 0.0, 0.0, 1.0})
+          refuse(rows[i],
+                 "the fourth row is not 0 0 0 1; a matrix is given by rows, what it moves by in the fourth column");
+        break;
+      }
+      for (int j = 0; j < 3; ++j) matrix[j][static_cast<int>(i)] = row[static_cast<std::size_t>(j)];
+      if (row.size() == 4) moved[static_cast<int>(i)] = row[3];
+    }
+    if (moved != glm::dvec3(0.0) && position != glm::dvec3(0.0) && moved != position)
+      refuse(rows, "the matrix moves to another place than the position beside it; one of the two must be zero");
+    return placed(position == glm::dvec3(0.0) ? moved : position, nearest_rotation(matrix), rows);
+  }
+
+  const std::string& name_;
+  const Json& json_;
+  const RadiusOf& radius_of_;
+  Packing& packing_;
+};
+
 constexpr int deepest_level = 64;  // results of cellPACK have 5
 
-void collect(const Json& json, const std::string& place, int level, Packing& packing) {
-  if (!json.is_object()) return;
-  if (level > deepest_level)
-    throw Refusal{Code::cellpack_syntax, fmt::format("objects stand more than {} deep in each other", deepest_level)};
-  for (const auto& [key, value] : json.items()) {
-    if (!value.is_object()) continue;
-    if (value.contains("results") && value["results"].is_array()) {
-      if (!value["results"].empty()) packing.ingredients.push_back(ingredient_of(key, place, value, packing));
-    } else {
-      collect(value, place.empty() ? key : place + '/' + key, level + 1, packing);
+/// Walks the objects of a file, and those in lists, to the ingredients.
+class PackingReader {
+ public:
+  explicit PackingReader(const RadiusOf& radius_of) : radius_of_(radius_of) {}
+
+  Packing read(const Json& root) {
+    collect(root, "", 0);
+    if (packing_.ingredients.empty()) {
+      refuse(root, packing_.fibres == 0 ? "no ingredient with 'results': a recipe alone has none"
+                                        : "no ingredient with 'results'; curves are not drawn");
+    }
+    return std::move(packing_);
+  }
+
+ private:
+  void collect(const Json& json, const std::string& place, int level) {
+    if (!json.is_structured()) return;
+    if (level > deepest_level)
+      refuse(json, fmt::format("objects stand more than {} deep in each other", deepest_level));
+    for (const auto& [key, value] : json.items()) {
+      if (!value.is_object() && !(json.is_object() && value.is_array() && !value.empty() && value[0].is_object()))
+        continue;
+      const auto told = json.is_array() ? value.find("name") : value.end();
+      const std::string name = told != value.end() && told->is_string() ? told->get<std::string>() : key;
+      const auto results = value.is_object() ? value.find("results") : value.end();
+      if (results == value.end() || results->is_object())
+        collect(value, place.empty() ? name : place + '/' + name, level + 1);
+      else
+        read_ingredient(name, place, value, *results);
     }
   }
-}
+
+  void read_ingredient(const std::string& name, const std::string& place, const Json& json, const Json& results) {
+    if (!results.is_array() && !results.is_null()) refuse(results, "'results' is not a list of placements");
+    if (results.empty()) {
+      packing_.fibres += json.contains("nbCurve");
+      return;
+    }
+    IngredientReader reader(name, json, radius_of_, packing_);
+    std::vector<Placement> placements = reader.placements();
+    packing_.ingredients.push_back({name, place, reader.beads(), std::move(placements)});
+  }
+
+  const RadiusOf& radius_of_;
+  Packing packing_;
+};
 
 }  // namespace
 
-std::optional<Packing> parse_cellpack(const std::string& path, std::string_view bytes, Diagnostics& diagnostics) {
-  const bool too_long = bytes.size() > voml::max_file_bytes;
-  const SourceId source = diagnostics.add_source(path, too_long ? "" : std::string(bytes));
+std::optional<Packing> parse_cellpack(const std::string& path, std::string_view bytes, const RadiusOf& radius_of,
+                                      Diagnostics& diagnostics) {
+  const auto source = add_text(path, bytes, Code::cellpack_syntax, diagnostics);
+  if (!source) return std::nullopt;
+  const std::string& text = diagnostics.source_text(*source);
+  const auto report = [&](Code code, const JsonPlace& place, std::string message) {
+    const auto begin = static_cast<std::uint32_t>(place.begin), end = static_cast<std::uint32_t>(place.end);
+    diagnostics.report(code, {*source, begin, end}, std::move(message));
+  };
+  JsonFault fault;
+  const std::optional<Json> root = parse_json(text, fault);
+  if (!root) {
+    report(Code::cellpack_syntax, fault.place, fault.why);
+    return std::nullopt;
+  }
   try {
-    if (too_long) throw Refusal{Code::cellpack_syntax, "the file is 4 GiB or longer"};
-    Packing packing;
-    collect(Json::parse(bytes), "", 0, packing);
-    if (packing.ingredients.empty()) throw Refusal{Code::cellpack_syntax, "no ingredient with results"};
-    return packing;
-  } catch (const Json::parse_error& error) {
-    const auto at = static_cast<std::uint32_t>(std::min(error.byte == 0 ? 0 : error.byte - 1, bytes.size()));
-    diagnostics.report(Code::cellpack_syntax, {source, at, at}, "the text is not JSON here");
-  } catch (const Json::out_of_range&) {
-    diagnostics.report(Code::cellpack_syntax, {source, 0, 0}, "a number is larger than any double");
+    return PackingReader(radius_of).read(*root);
   } catch (const Refusal& refusal) {
-    diagnostics.report(refusal.code, {source, 0, 0}, refusal.message);
+    report(refusal.code, place_of(refusal.at, *root, text), refusal.message);
   }
   return std::nullopt;
 }

@@ -1,6 +1,7 @@
 // cellPACK results: ingredients, each a bead model and a list of placements.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -29,13 +30,21 @@ struct Packing {
   std::vector<Ingredient> ingredients;  ///< in the order of the file; without those that stand nowhere
   std::size_t repaired = 0;
   double worst = 0.0;
+  std::size_t without_beads = 0;  ///< ingredients that are one ball, because the file has no beads of them
+  std::size_t real_last = 0;      ///< placements whose quaternion was read as x y z w
+  std::size_t fibres = 0;         ///< ingredients that are curves, which are left out
 };
 
-/// Reads a result of cellPACK (JSON): every object with `results`, a list of [[x, y, z], [w, x, y, z]], `positions`
-/// and `radii`, wherever it stands; its name is that of its key. world = R(q) * local + position.
-/// Errors: E0568, at its place in the text or with the ingredient's name; E0567. Then the result is empty.
-/// Source: Johnson et al. 2015, "cellPACK: a virtual mesoscope to model and visualize structural systems biology".
-std::optional<Packing> parse_cellpack(const std::string& path, std::string_view bytes, Diagnostics& diagnostics);
+/// The radius of an ingredient's beads, or of the ball it is without beads, where the file tells none; 0: none.
+using RadiusOf = std::function<double(const std::string& ingredient)>;
+
+/// Reads a result of cellPACK (JSON) in any of its published layouts (spec/seeds.md): every object with `results`, a
+/// list of [position, rotation], wherever it stands; its name is that of its key. world = R * local + position. Errors:
+/// E0568 and E0567 at the value that is at fault. Then the result is empty. Cost: linear in the file; a fault is looked
+/// up in the text. Source: Johnson et al. 2015, "cellPACK: a virtual mesoscope to model and visualize structural
+/// systems biology".
+std::optional<Packing> parse_cellpack(const std::string& path, std::string_view bytes, const RadiusOf& radius_of,
+                                      Diagnostics& diagnostics);
 
 /// The radius of a bead that has none, as a share of the median distance from a bead to the nearest of its kind: balls on
 /// a cubic lattice then leave no gap (half the root of 3; in files that tell radii it is 0.6 to 1). For kinds of one

@@ -19,8 +19,9 @@ struct KindLook {
 /// By kind.
 using KindTable = std::map<std::string, KindLook, std::less<>>;
 
-/// Reads a table separated by tabs, or else commas, whose first row names its columns: `kind` (or `entity`), and any of
-/// `name`, `rgb` (#rrggbb) and `radius`. Others are left out; lines that begin with '#' and a blank are comments.
+/// Reads a table separated by tabs, or else commas, or else semicolons, with quotes as RFC 4180 has them, whose first
+/// row names its columns: `kind` (or `entity`), and any of `name`, `rgb` (#rrggbb) and `radius`. Others are left out;
+/// lines that begin with '#' and a blank are comments.
 ///
 /// Errors: E0564 a row with another number of fields, a colour or radius that is none; E0565 no column `kind`, neither
 /// of the others, or a column twice; E0564 a kind twice. Then the result is empty. Cost: n log n.

@@ -7,9 +7,10 @@
 #include <glm/common.hpp>
 #include <map>
 
+#include "authoring/atom_names.h"
 #include "authoring/molecule_readers.h"
 #include "authoring/placements.h"
-#include "voml/limits.h"
+#include "authoring/text_input.h"
 #include "voml/text.h"
 
 namespace dmvv::authoring {
@@ -17,8 +18,6 @@ namespace {
 
 /// PDB writes six decimals: entries of R^T R are off by up to 3 * 5e-7 * 2.
 constexpr double exact_operator = 4e-6;
-
-bool is_water(std::string_view residue) { return residue == "HOH" || residue == "DOD" || residue == "WAT"; }
 
 std::string red_green_blue(std::uint32_t rgb) {
   return fmt::format("{:.3f} {:.3f} {:.3f}", (rgb >> 16 & 0xff) / 255.0, (rgb >> 8 & 0xff) / 255.0,
@@ -41,7 +40,8 @@ std::optional<glm::dvec3> MoleculeBuilder::position(const AtomRecord& record) {
     const auto number = voml::parse_number(text);
     if (!std::holds_alternative<double>(number)) {
       report(Code::molecule_syntax, text,
-             fmt::format("the coordinate {} is {}, not a finite number", "xyz"[axis], voml::in_quotes(text)));
+             fmt::format("the coordinate {} is {}, not a finite number{}", "xyz"[axis], voml::in_quotes(text),
+                         decimal_point_hint(text)));
       return std::nullopt;
     }
     position[axis] = std::get<double>(number);
@@ -49,20 +49,32 @@ std::optional<glm::dvec3> MoleculeBuilder::position(const AtomRecord& record) {
   return position;
 }
 
+void MoleculeBuilder::leave_out_unknown(std::string_view element) {
+  if (first_unknown_.data() == nullptr) first_unknown_ = element;
+  const bool nothing = element.empty() || element == "." || element == "?";
+  ++unknown_[nothing ? "not given" : voml::in_quotes(element)];
+  ++molecule_.unknown_elements;
+}
+
+std::string MoleculeBuilder::unknown_elements() const {
+  constexpr std::size_t shown = 8;
+  std::string list;
+  std::size_t i = 0;
+  for (const auto& [element, count] : unknown_)
+    if (i++ < shown) list += fmt::format("{}{} {}", list.empty() ? "" : ", ", element, count);
+  if (unknown_.size() > shown) list += fmt::format(" and {} more", unknown_.size() - shown);
+  return list;
+}
+
 void MoleculeBuilder::add(const AtomRecord& record) {
   const auto position = this->position(record);
-  const Element* const element = find_element(record.element);
-  if (!element) {
-    const bool nothing = record.element.empty() || record.element == "." || record.element == "?";
-    report(Code::molecule_unknown_element, record.element,
-           nothing ? "the atom's element is not given"
-                   : fmt::format("unknown element {}", voml::in_quotes(record.element)));
-  }
-  if (!position || !element) return;
+  if (!position) return;
   if (!options_.keep_water && is_water(record.residue_name)) {
     ++molecule_.waters;
     return;
   }
+  const Element* const element = find_element(record.element);
+  if (!element) return leave_out_unknown(record.element);
   if (!record.alternate.empty() &&
       first_alternate_.try_emplace(record.residue, record.alternate).first->second != record.alternate) {
     ++molecule_.alternates;
@@ -109,10 +121,22 @@ std::optional<Operator> MoleculeBuilder::read_operator(const std::string_view (&
 std::optional<Molecule> MoleculeBuilder::finish(std::size_t errors_before) {
   if (diagnostics_.error_count() != errors_before) return std::nullopt;
   if (molecule_.atoms.empty()) {
-    diagnostics_.report(Code::molecule_without_atoms, {source_, 0, 0},
-                        molecule_.waters ? fmt::format("all {} atoms are water, which is left out", molecule_.waters)
-                                         : "no atoms: neither ATOM or HETATM records of PDB nor _atom_site of mmCIF");
+    std::string why = "no atoms: neither ATOM or HETATM records of PDB nor _atom_site of mmCIF";
+    if (molecule_.waters != 0) why = fmt::format("all {} atoms are water, which is left out", molecule_.waters);
+    if (!unknown_.empty())
+      why =
+          fmt::format("no atom has an element that is known ({}); PDB tells it in columns 77-78, mmCIF in type_symbol",
+                      unknown_elements());
+    diagnostics_.report(Code::molecule_without_atoms, {source_, 0, 0}, why);
     return std::nullopt;
+  }
+  if (!unknown_.empty()) {
+    report(Code::molecule_unknown_elements, first_unknown_,
+           fmt::format("{} left out, because no such element is known: {}",
+                       molecule_.unknown_elements == 1
+                           ? std::string("1 atom is")
+                           : fmt::format("{} atoms, of which this is the first, are", molecule_.unknown_elements),
+                       unknown_elements()));
   }
   return std::move(molecule_);
 }
@@ -120,15 +144,9 @@ std::optional<Molecule> MoleculeBuilder::finish(std::size_t errors_before) {
 std::optional<Molecule> parse_molecule(const std::string& path, std::string_view bytes, const MoleculeOptions& options,
                                        Diagnostics& diagnostics) {
   const std::size_t errors_before = diagnostics.error_count();
-  const bool too_long = bytes.size() > voml::max_file_bytes;
-  const bool compressed = bytes.starts_with("\x1f\x8b");
-  const SourceId source = diagnostics.add_source(path, too_long || compressed ? "" : std::string(bytes));
-  if (too_long || compressed) {
-    diagnostics.report(Code::molecule_syntax, {source, 0, 0},
-                       compressed ? "the file is compressed; unpack it first: gunzip" : "the file is 4 GiB or longer");
-    return std::nullopt;
-  }
-  MoleculeBuilder builder(source, options, diagnostics);
+  const auto source = add_text(path, bytes, Code::molecule_syntax, diagnostics);
+  if (!source) return std::nullopt;
+  MoleculeBuilder builder(*source, options, diagnostics);
   try {
     looks_like_mmcif(builder.text()) ? read_mmcif(builder) : read_pdb(builder);
   } catch (const MoleculeRefusal& refusal) {

@@ -37,7 +37,7 @@ struct Atom {
 };
 
 struct MoleculeOptions {
-  bool keep_water = false;  ///< residues HOH, DOD and WAT
+  bool keep_water = false;  ///< residues that are water by any usual name: HOH, WAT, TIP3, SOL, ...
   bool assemblies = false;  ///< read them too
 };
 
@@ -67,18 +67,21 @@ struct Molecule {
   std::vector<std::string> chains;     ///< mmCIF: label_asym_id, of which assemblies speak
   std::vector<Assembly> assemblies;    ///< in file order; empty unless asked for
   std::size_t repaired_operators = 0;  ///< off by more than six decimals explain
-  std::size_t waters = 0;        ///< atoms of water left out
-  std::size_t alternates = 0;    ///< atoms left out because their residue has an earlier alternate location
-  std::size_t other_models = 0;  ///< atoms of models behind the first
+  std::size_t waters = 0;              ///< atoms of water left out
+  std::size_t alternates = 0;          ///< atoms left out because their residue has an earlier alternate location
+  std::size_t other_models = 0;        ///< atoms of models behind the first
+  std::size_t unknown_elements = 0;    ///< atoms left out because their element is not known
 };
 
 /// Reads the atoms of a PDB file (columns of format 3.3) or an mmCIF file (CIF 1.1, the first block with _atom_site).
 ///
-/// The format follows from the content: an mmCIF file begins with data_, behind comments. Of several models the first
-/// counts, of a residue's alternate locations the one named first; atoms without one always count. A PDB atom without
-/// an element (columns 77-78) has that of its name (columns 13-14).
-/// Errors: E0560 what breaks the rules of the format, E0561 an element that is not known, E0562 no atom that is to be
-/// drawn; E0563 an assembly that breaks the rules, E0567 an operator that is no rotation; then the result is empty. Faults of single atoms are reported together, others end the reading.
+/// The format follows from the content: an mmCIF file begins with data_, loop_ or a name, behind comments. A byte order
+/// mark and any line ends are read over. Of several models the first counts, of a residue's alternate locations the one
+/// named first; atoms without one always count. An atom without an element (PDB: columns 77-78) has that of its name,
+/// by its residue or the name's columns.
+/// Errors: E0560 what breaks the rules of the format, E0562 no atom that is to be drawn; E0563 an assembly that breaks
+/// the rules, E0567 an operator that is no rotation; then the result is empty. Faults of single atoms are reported
+/// together, others end the reading. Warning: W0580 how many atoms were left out because their elements are not known.
 /// Cost: linear in the file; the diagnostics keep a copy of it.
 std::optional<Molecule> parse_molecule(const std::string& path, std::string_view bytes, const MoleculeOptions& options,
                                        Diagnostics& diagnostics);

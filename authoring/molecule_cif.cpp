@@ -7,6 +7,7 @@
 #include <charconv>
 #include <map>
 
+#include "authoring/atom_names.h"
 #include "authoring/molecule_readers.h"
 #include "voml/text.h"
 
@@ -24,9 +25,7 @@ struct Token {
 
 class Lexer {
  public:
-  explicit Lexer(std::string_view text) : text_(text) {
-    if (text_.starts_with("\xef\xbb\xbf")) at_ = 3;
-  }
+  explicit Lexer(std::string_view text) : text_(text) {}
 
   Token next() {
     skip_space_and_comments();
@@ -99,8 +98,8 @@ class Lexer {
   std::size_t at_ = 0;
 };
 
-/// The items of _atom_site that count. Names given by authors (auth_) are taken before those of the dictionary
-/// (label_): the latter do not tell waters apart.
+/// The items of _atom_site that count; atoms without an element have that of their names. Names given by authors
+/// (auth_) are taken before those of the dictionary (label_): the latter do not tell waters apart.
 enum Item : std::size_t {
   x,
   y,
@@ -109,18 +108,20 @@ enum Item : std::size_t {
   label_alt_id,
   pdbx_pdb_model_num,
   pdbx_pdb_ins_code,
+  auth_atom_id,
   auth_comp_id,
   auth_asym_id,
   auth_seq_id,
+  label_atom_id,
   label_comp_id,
   label_asym_id,
   label_seq_id,
   item_count
 };
 constexpr std::array<std::string_view, item_count> item_names{
-    "Cartn_x",           "Cartn_y",      "Cartn_z",      "type_symbol", "label_alt_id",  "pdbx_PDB_model_num",
-    "pdbx_PDB_ins_code", "auth_comp_id", "auth_asym_id", "auth_seq_id", "label_comp_id", "label_asym_id",
-    "label_seq_id"};
+    "Cartn_x",           "Cartn_y",       "Cartn_z",      "type_symbol",  "label_alt_id", "pdbx_PDB_model_num",
+    "pdbx_PDB_ins_code", "auth_atom_id",  "auth_comp_id", "auth_asym_id", "auth_seq_id",  "label_atom_id",
+    "label_comp_id",     "label_asym_id", "label_seq_id"};
 constexpr std::string_view category = "_atom_site.";
 
 class CifReader {
@@ -156,6 +157,13 @@ class CifReader {
   }
 
   static bool is_atom_site(std::string_view tag) { return voml::same_word(tag.substr(0, category.size()), category); }
+
+  /// Tells whether a name is that of an item of the atoms.
+  static auto is_item(std::size_t item) {
+    return [item](const Token& tag) {
+      return is_atom_site(tag.text) && voml::same_word(tag.text.substr(category.size()), item_names[item]);
+    };
+  }
 
   /// A name and its value outside loops: together they are a table of one row.
   void read_single() {
@@ -206,13 +214,12 @@ class CifReader {
   Columns columns_of(const std::vector<Token>& tags) const {
     Columns columns;
     for (std::size_t item = 0; item < item_count; ++item) {
-      const auto found = std::ranges::find_if(tags, [&](const Token& tag) {
-        return is_atom_site(tag.text) && voml::same_word(tag.text.substr(category.size()), item_names[item]);
-      });
+      const auto found = std::ranges::find_if(tags, is_item(item));
       columns[item] = found == tags.end() ? absent : static_cast<std::size_t>(found - tags.begin());
-      if (found == tags.end() && item <= type_symbol) {
+      if (found != tags.end() && std::count_if(found, tags.end(), is_item(item)) > 1)
+        lexer_.refuse(tags.front().whole, fmt::format("the atoms have {}{} twice", category, item_names[item]));
+      if (found == tags.end() && item <= z)
         lexer_.refuse(tags.front().whole, fmt::format("the atoms have no {}{}", category, item_names[item]));
-      }
     }
     return columns;
   }
@@ -222,20 +229,29 @@ class CifReader {
       if (columns[item] == absent) return {};
       const Token& token = row[columns[item]];
       const bool unknown = !token.quoted && (token.text == "." || token.text == "?");
-      return unknown && item > type_symbol ? std::string_view{} : token.text;
+      return unknown && item > z ? std::string_view{} : token.text;
     };
     const auto either = [&](std::size_t a, std::size_t b) { return value(a).empty() ? value(b) : value(a); };
     if (const std::string_view model = value(pdbx_pdb_model_num); !model.empty()) {
       if (model_.empty()) model_ = model;
       if (model != model_) return builder_.skip_other_model();
     }
-    builder_.add({{without_uncertainty(value(x)), without_uncertainty(value(y)), without_uncertainty(value(z))},
-                  value(type_symbol),
-                  either(auth_comp_id, label_comp_id),
-                  value(label_alt_id),
-                  either(label_asym_id, auth_asym_id),
-                  fmt::format("{} {} {}", either(auth_asym_id, label_asym_id), either(auth_seq_id, label_seq_id),
-                              value(pdbx_pdb_ins_code))});
+    const std::string_view residue = either(auth_comp_id, label_comp_id), told = without_charge(value(type_symbol));
+    builder_.add(
+        {{without_uncertainty(value(x)), without_uncertainty(value(y)), without_uncertainty(value(z))},
+         told.empty() ? element_of_name(either(auth_atom_id, label_atom_id), residue, NameAlignment::left) : told,
+         residue,
+         value(label_alt_id),
+         either(label_asym_id, auth_asym_id),
+         fmt::format("{} {} {}", either(auth_asym_id, label_asym_id), either(auth_seq_id, label_seq_id),
+                     value(pdbx_pdb_ins_code))});
+  }
+
+  /// "Fe3+" -> "Fe"
+  static std::string_view without_charge(std::string_view symbol) {
+    const std::size_t digits = std::min(symbol.find_first_of("0123456789+-"), symbol.size());
+    const bool charge = symbol.ends_with('+') || symbol.ends_with('-');
+    return charge && digits != 0 ? symbol.substr(0, digits) : symbol;
   }
 
   /// "12.34(5)" -> "12.34"
@@ -386,7 +402,8 @@ void read_mmcif(MoleculeBuilder& builder) { CifReader(builder).read(); }
 
 bool looks_like_mmcif(std::string_view text) {
   try {
-    return Lexer(text).next().kind == Token::Kind::data;
+    const Token::Kind kind = Lexer(text).next().kind;
+    return kind == Token::Kind::data || kind == Token::Kind::loop || kind == Token::Kind::tag;
   } catch (const MoleculeRefusal&) {
     return false;
   }

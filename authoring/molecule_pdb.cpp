@@ -1,9 +1,10 @@
-// PDB, format 3.3: of its records ATOM, HETATM, ENDMDL, END and REMARK 350.
+// PDB, format 3.3: of its records ATOM, HETATM, MODEL, ENDMDL, END and REMARK 350.
 // https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "authoring/atom_names.h"
 #include "authoring/molecule_readers.h"
 #include "voml/text.h"
 
@@ -19,22 +20,40 @@ std::string_view columns(std::string_view line, std::size_t first, std::size_t l
 
 bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
 
-/// The element as atom names tell it: right-justified in columns 13-14, except hydrogens of four letters (HG11).
-std::string_view element_of_name(std::string_view line) {
+bool is_record(std::string_view line, std::string_view name) {
+  return voml::same_word(line.substr(0, name.size()), name);
+}
+
+/// Some programs write longer serial numbers, from column 5 on.
+bool is_atom(std::string_view line) {
+  if (is_record(line, "HETATM")) return true;
+  return is_record(line, "ATOM") && line.size() > 4 && std::string_view(" \t0123456789").find(line[4]) != line.npos;
+}
+
+/// The model's end of some programs is END. A MODEL record begins one, which need not have ended the one before.
+bool ends_model(std::string_view line) { return is_record(line, "ENDMDL") || voml::same_word(trim(line), "END"); }
+bool begins_model(std::string_view line) { return is_record(line, "MODEL") && trim(columns(line, 6, 6)).empty(); }
+
+/// Columns 77-78; empty where these hold something else: line numbers before 1996, types of force fields in 78-79.
+std::string_view element_column(std::string_view line) {
+  const std::string_view element = trim(columns(line, 77, 78)), behind = columns(line, 79, 79);
+  const bool letters = std::ranges::all_of(element, is_letter) && std::ranges::none_of(behind, is_letter);
+  return letters ? element : std::string_view{};
+}
+
+/// Whether the names of atoms without an element begin in column 13, wherever their element stands: then a name of
+/// fewer than four characters has H, C, N, O, P or S there, and no letter behind it.
+bool has_names_at_left(std::string_view line) {
+  if (!element_column(line).empty()) return false;
   const std::string_view name = columns(line, 13, 16);
-  if (name.size() < 2) return trim(name);
-  if (!is_letter(name[0])) return trim(name.substr(1, 1));
-  const bool long_hydrogen = trim(name).size() == 4 && (name[0] == 'H' || name[0] == 'D');
-  return name.substr(0, !long_hydrogen && find_element(name.substr(0, 2)) ? 2 : 1);
+  return name.size() == 4 && std::string_view("HCNOPS").find(name[0]) != name.npos && !is_letter(name[1]) &&
+         name[3] == ' ';
 }
 
-/// Columns 77-78. Files from before 1996 have line numbers there.
-std::string_view element_of(std::string_view line) {
-  const std::string_view element = trim(columns(line, 77, 78));
-  return !element.empty() && std::ranges::all_of(element, is_letter) ? element : element_of_name(line);
-}
+/// Columns 18-20, and 21, where the names of force fields have a fourth letter and some chains their first.
+std::string_view residue_name(std::string_view line) { return trim(columns(line, 18, 21)); }
 
-void read_atom(std::string_view line, MoleculeBuilder& builder) {
+void read_atom(std::string_view line, NameAlignment alignment, MoleculeBuilder& builder) {
   if (const std::size_t tab = line.find('\t'); tab != line.npos) {
     builder.report(Code::molecule_syntax, line.substr(tab, 1), "a tab in an atom's record, whose columns have meaning");
     return;
@@ -44,9 +63,10 @@ void read_atom(std::string_view line, MoleculeBuilder& builder) {
                    fmt::format("the record ends at column {}; coordinates stand in columns 31-54", line.size()));
     return;
   }
+  const std::string_view residue = residue_name(line), told = element_column(line);
   builder.add({{columns(line, 31, 38), columns(line, 39, 46), columns(line, 47, 54)},
-               element_of(line),
-               trim(columns(line, 18, 20)),
+               told.empty() ? element_of_name(columns(line, 13, 16), residue, alignment) : told,
+               residue,
                trim(columns(line, 17, 17)),
                trim(columns(line, 22, 22)),
                std::string(columns(line, 22, 27))});
@@ -130,23 +150,42 @@ class AssemblyReader {
 
 }  // namespace
 
-void read_pdb(MoleculeBuilder& builder) {
-  const std::string_view text = builder.text();
-  bool first_model = true;
-  AssemblyReader assemblies(builder);
+namespace {
+
+void for_each_line(std::string_view text, auto&& visit) {
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     std::string_view line = text.substr(begin, end - begin);
     begin = end + 1;
     if (line.ends_with('\r')) line.remove_suffix(1);
-    if (line.starts_with("ATOM ") || line.starts_with("ATOM\t") || line.starts_with("HETATM")) {
-      first_model ? read_atom(line, builder) : builder.skip_other_model();
-    } else if (line.starts_with("ENDMDL") || trim(line) == "END") {
+    visit(line);
+  }
+}
+
+NameAlignment alignment_of(std::string_view text) {
+  NameAlignment alignment = NameAlignment::columns;
+  for_each_line(text, [&](std::string_view line) {
+    if (is_atom(line) && has_names_at_left(line)) alignment = NameAlignment::left;
+  });
+  return alignment;
+}
+
+}  // namespace
+
+void read_pdb(MoleculeBuilder& builder) {
+  const NameAlignment alignment = alignment_of(builder.text());
+  AssemblyReader assemblies(builder);
+  bool first_model = true, any_atom = false;
+  for_each_line(builder.text(), [&](std::string_view line) {
+    if (is_atom(line)) {
+      first_model ? read_atom(line, alignment, builder) : builder.skip_other_model();
+      any_atom = true;
+    } else if (any_atom && (ends_model(line) || begins_model(line))) {
       first_model = false;
-    } else if (builder.wants_assemblies() && line.starts_with("REMARK 350")) {
+    } else if (builder.wants_assemblies() && is_record(line, "REMARK 350")) {
       assemblies.read(line);
     }
-  }
+  });
   assemblies.finish();
 }
 

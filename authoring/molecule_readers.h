@@ -1,6 +1,7 @@
 // Private to authoring/molecule*.cpp: what the readers of the two formats share.
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -20,7 +21,7 @@ struct MoleculeRefusal {
 /// An atom as it stands in a file; views into its text. Empty where the file says nothing.
 struct AtomRecord {
   std::string_view coordinates[3];
-  std::string_view element;
+  std::string_view element;  ///< where the file has none, what its name tells
   std::string_view residue_name;
   std::string_view alternate;
   std::string_view chain;
@@ -50,6 +51,9 @@ class MoleculeBuilder {
 
  private:
   std::optional<glm::dvec3> position(const AtomRecord& record);
+  void leave_out_unknown(std::string_view element);
+  /// "X 2, QQ 1"
+  std::string unknown_elements() const;
 
   SourceId source_;
   std::string_view text_;
@@ -58,11 +62,13 @@ class MoleculeBuilder {
   Molecule molecule_;
   std::unordered_map<std::string, std::uint32_t> chains_;
   std::unordered_map<std::string, std::string_view> first_alternate_;  ///< of each residue that has any
+  std::map<std::string, std::size_t> unknown_;                         ///< atoms by elements that are not known
+  std::string_view first_unknown_;
 };
 
 void read_pdb(MoleculeBuilder& builder);
 void read_mmcif(MoleculeBuilder& builder);
-/// Whether the first word behind blanks and comments begins with data_.
+/// Whether the first word behind blanks and comments is data_, loop_ or a name.
 bool looks_like_mmcif(std::string_view text);
 
 }  // namespace dmvv::authoring

@@ -8,7 +8,8 @@
 #include <glm/common.hpp>
 #include <map>
 
-#include "voml/limits.h"
+#include "authoring/table_text.h"
+#include "authoring/text_input.h"
 #include "voml/text.h"
 
 namespace dmvv::authoring {
@@ -34,90 +35,26 @@ struct Refusal {};
 class TableReader {
  public:
   TableReader(SourceId source, const TableOptions& options, Diagnostics& diagnostics)
-      : source_(source), text_(diagnostics.source_text(source)), options_(options), diagnostics_(diagnostics) {}
+      : rows_(source, Comments::anywhere, true, diagnostics), options_(options) {}
 
   void read() {
-    for (std::size_t begin = text_.starts_with("\xef\xbb\xbf") ? 3 : 0; begin < text_.size();) {
-      const std::size_t end = std::min(text_.find('\n', begin), text_.size());
-      read_line(text_.substr(begin, end - begin));
-      begin = end + 1;
-    }
-    if (rows_ == 0 && !failed_) report(Code::table_without_rows, text_.substr(0, 0), "the table holds no row");
+    while (const auto row = rows_.next()) width_ == 0 ? read_first(*row) : read_row(*row);
+    if (count_ == 0 && !rows_.failed())
+      rows_.report(Code::table_without_rows, rows_.text().substr(0, 0), "the table holds no row");
   }
 
   PlacementTable table;
 
  private:
-  void report(Code code, std::string_view part, std::string message) {
-    const auto begin = static_cast<std::uint32_t>(part.data() - text_.data());
-    diagnostics_.report(code, {source_, begin, begin + static_cast<std::uint32_t>(part.size())}, std::move(message));
-    failed_ = true;
-  }
-
   [[noreturn]] void refuse(Code code, std::string_view part, std::string message) {
-    report(code, part, std::move(message));
+    rows_.report(code, part, std::move(message));
     throw Refusal{};
   }
 
-  static bool is_number(std::string_view field) { return std::holds_alternative<double>(voml::parse_number(field)); }
+  static bool is_number(const Field& field) { return std::holds_alternative<double>(voml::parse_number(field.text)); }
 
-  /// Up to a '#' outside quotes, and the blanks before it.
-  static std::string_view without_comment(std::string_view line) {
-    bool quoted = false;
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      if (line[i] == '"') quoted = !quoted;
-      if (line[i] != '#' || quoted) continue;
-      while (i > 0 && voml::is_blank(line[i - 1])) --i;
-      return line.substr(0, i);
-    }
-    return line;
-  }
-
-  /// Fields without the blanks and quotes round them; a quoted field may hold separators.
-  std::vector<std::string_view> fields_of(std::string_view line) {
-    std::vector<std::string_view> fields;
-    const bool blanks = separator_ == ' ';
-    for (std::size_t at = 0; at <= line.size();) {
-      while (at < line.size() && line[at] != separator_ && voml::is_blank(line[at])) ++at;
-      while (blanks && at < line.size() && voml::is_blank(line[at])) ++at;
-      if (blanks && at == line.size()) break;
-      const auto ends = [&](std::size_t i) { return blanks ? voml::is_blank(line[i]) : line[i] == separator_; };
-      std::size_t end = at;
-      std::string_view field;
-      if (at < line.size() && line[at] == '"') {
-        const std::size_t close = line.find('"', at + 1);
-        if (close == line.npos)
-          refuse(Code::table_syntax, line.substr(at, 1), "a quote that is not closed on its line");
-        field = line.substr(at + 1, close - at - 1);
-        end = close + 1;
-        while (end < line.size() && !ends(end) && voml::is_blank(line[end])) ++end;
-        if (end < line.size() && !ends(end))
-          refuse(Code::table_syntax, line.substr(end, 1), "text behind a closing quote");
-      } else {
-        while (end < line.size() && !ends(end)) ++end;
-        field = voml::trim(line.substr(at, end - at));
-      }
-      fields.push_back(field);
-      at = end + 1;
-    }
-    return fields;
-  }
-
-  void read_line(std::string_view line) {
-    line = without_comment(line);
-    while (line.ends_with('\r')) line.remove_suffix(1);
-    if (voml::trim(line).empty()) return;
-    if (separator_ == 0) {
-      const auto has = [&](char c) { return voml::trim(line).find(c) != line.npos; };
-      separator_ = has('\t') ? '\t' : has(',') ? ',' : has(';') ? ';' : ' ';
-      if (separator_ == ' ') line = voml::trim(line);
-      return read_first(line);
-    }
-    read_row(line);
-  }
-
-  void read_first(std::string_view line) {
-    const std::vector<std::string_view> fields = fields_of(line);
+  void read_first(const Row& row) {
+    const std::vector<Field>& fields = row.fields;
     const bool header = std::ranges::none_of(fields, is_number);
     std::vector<std::string> names;
     if (!options_.columns.empty()) {
@@ -127,25 +64,25 @@ class TableReader {
         at = end + 1;
       }
       if (names.size() != fields.size())
-        refuse(Code::table_columns, line,
+        refuse(Code::table_columns, row.whole,
                fmt::format("the row has {} fields, --columns names {}", fields.size(), names.size()));
     } else if (header) {
-      names.assign(fields.begin(), fields.end());
+      for (const Field& field : fields) names.emplace_back(field.text);
     } else if (fields.size() == 3 || fields.size() == 4) {
       names = {"x", "y", "z"};
       if (fields.size() == 4) names.push_back(is_number(fields[3]) ? "scale" : "kind");
     } else {
-      refuse(Code::table_columns, line,
+      refuse(Code::table_columns, row.whole,
              fmt::format("{} fields without names; give a first row of names, or --columns", fields.size()));
     }
     width_ = fields.size();
-    name_columns(names, fields, line, header && options_.columns.empty());
-    if (!header) read_row(line);
+    name_columns(names, row, header && options_.columns.empty());
+    if (!header) read_row(row);
   }
 
-  /// `in_file`: the names are the fields of this line.
-  void name_columns(std::vector<std::string> names, const std::vector<std::string_view>& fields, std::string_view line,
-                    bool in_file) {
+  /// `in_file`: the names are the fields of this row.
+  void name_columns(std::vector<std::string> names, const Row& row, bool in_file) {
+    const std::string_view line = row.whole;
     for (std::string& name : names) name = voml::lower_case(name);
     const auto named = [&](std::string_view name) { return std::ranges::find(names, name) != names.end(); };
     for (const auto& [other, usual] : other_names)
@@ -162,7 +99,8 @@ class TableReader {
       if (found == column_names.end()) continue;
       std::size_t& column = columns_[static_cast<std::size_t>(found - column_names.begin())];
       if (column != absent)
-        refuse(Code::table_columns, in_file ? fields[i] : line, fmt::format("the column '{}' stands twice", names[i]));
+        refuse(Code::table_columns, in_file ? row.fields[i].whole : line,
+               fmt::format("the column '{}' stands twice", names[i]));
       column = i;
     }
     const bool matrix = group(m00, 9, line), quaternion = group(qw, 4, line), three_scales = group(sx, 3, line);
@@ -192,22 +130,22 @@ class TableReader {
     return found != absent;
   }
 
-  void read_row(std::string_view line) {
-    if (separator_ == ' ') line = voml::trim(line);
-    const std::vector<std::string_view> fields = fields_of(line);
-    ++rows_;
+  void read_row(const Row& row) {
+    const std::vector<Field>& fields = row.fields;
+    ++count_;
     if (fields.size() != width_) {
-      return report(Code::table_syntax, line,
-                    fmt::format("the row has {} fields, the first one {}", fields.size(), width_));
+      return rows_.report(Code::table_syntax, row.whole,
+                          fmt::format("the row has {} fields, the first one {}", fields.size(), width_));
     }
     bool good = true;
     const auto value = [&](std::size_t column) {
       if (columns_[column] == absent) return 0.0;  // an angle
-      const std::string_view field = fields[columns_[column]];
-      const auto number = voml::parse_number(field);
+      const Field& field = fields[columns_[column]];
+      const auto number = voml::parse_number(field.text);
       if (const double* const v = std::get_if<double>(&number)) return *v;
-      report(Code::table_syntax, field.empty() ? line : field,
-             fmt::format("'{}' is {}, not a finite number", column_names[column], voml::in_quotes(field)));
+      rows_.report(Code::table_syntax, field.whole.empty() ? row.whole : field.whole,
+                   fmt::format("'{}' is {}, not a finite number{}", column_names[column], voml::in_quotes(field.text),
+                               decimal_point_hint(field.text)));
       good = false;
       return 0.0;
     };
@@ -218,16 +156,15 @@ class TableReader {
     if (form_ == qw) rotation = quaternion_rotation(value(qw), value(qx), value(qy), value(qz));
     if (form_ == m00) {
       glm::dmat3 m;
-      for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column)
-          m[column][row] = value(m00 + static_cast<std::size_t>(3 * row + column));
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) m[j][i] = value(m00 + static_cast<std::size_t>(3 * i + j));
       rotation = nearest_rotation(m);
     }
     if (good && !rotation) {
       good = false;
-      report(Code::not_a_rotation, fields[columns_[form_]],
-             form_ == m00 ? "the matrix that begins here is too far from orthogonal, or mirrors"
-                          : "the quaternion of this row is too far from unit length");
+      rows_.report(Code::not_a_rotation, fields[columns_[form_]].whole,
+                   form_ == m00 ? "the matrix that begins here is too far from orthogonal, or mirrors"
+                                : "the quaternion of this row is too far from unit length");
     }
     if (columns_[scale] != absent) placement.scale = glm::dvec3(value(scale));
     if (columns_[sx] != absent) placement.scale = {value(sx), value(sy), value(sz)};
@@ -235,29 +172,25 @@ class TableReader {
       if (placement.scale[axis] > 0.0 && voml::usable_scale(placement.scale[axis])) continue;
       good = false;
       const std::size_t column = columns_[scale] != absent ? scale : sx + static_cast<std::size_t>(axis);
-      report(Code::table_syntax, fields[columns_[column]],
-             fmt::format("'{}' is {}, it must be greater than zero", column_names[column],
-                         voml::in_quotes(fields[columns_[column]])));
+      rows_.report(Code::table_syntax, fields[columns_[column]].whole,
+                   fmt::format("'{}' is {}, it must be greater than zero", column_names[column],
+                               voml::in_quotes(fields[columns_[column]].text)));
     }
     if (!good) return;
     placement.rotation = rotation->matrix;
     table.repaired += rotation->fault > exact_rotation;
     table.worst = std::max(table.worst, rotation->fault);
-    const std::string name = columns_[kind] == absent ? "kind" : std::string(fields[columns_[kind]]);
+    const std::string name = columns_[kind] == absent ? "kind" : std::string(fields[columns_[kind]].text);
     const auto [place, is_new] = kinds_.try_emplace(name, table.kinds.size());
     if (is_new) table.kinds.push_back({name, {}});
     table.kinds[place->second].placements.push_back(placement);
   }
 
-  SourceId source_;
-  std::string_view text_;
+  TableText rows_;
   const TableOptions& options_;
-  Diagnostics& diagnostics_;
-  char separator_ = 0;
-  std::size_t width_ = 0, rows_ = 0;
+  std::size_t width_ = 0, count_ = 0;
   Columns columns_{};
   std::size_t form_ = column_count;  ///< the first column of the rotations
-  bool failed_ = false;
   std::map<std::string, std::size_t> kinds_;
 };
 
@@ -266,15 +199,9 @@ class TableReader {
 std::optional<PlacementTable> parse_placement_table(const std::string& path, std::string_view bytes,
                                                     const TableOptions& options, Diagnostics& diagnostics) {
   const std::size_t errors_before = diagnostics.error_count();
-  const bool too_long = bytes.size() > voml::max_file_bytes;
-  const bool compressed = bytes.starts_with("\x1f\x8b");
-  const SourceId source = diagnostics.add_source(path, too_long || compressed ? "" : std::string(bytes));
-  if (too_long || compressed) {
-    diagnostics.report(Code::table_syntax, {source, 0, 0},
-                       compressed ? "the file is compressed; unpack it first: gunzip" : "the file is 4 GiB or longer");
-    return std::nullopt;
-  }
-  TableReader reader(source, options, diagnostics);
+  const auto source = add_text(path, bytes, Code::table_syntax, diagnostics);
+  if (!source) return std::nullopt;
+  TableReader reader(*source, options, diagnostics);
   try {
     reader.read();
   } catch (const Refusal&) {

@@ -30,7 +30,8 @@ struct TableOptions {
 };
 
 /// Reads a table (spec/seeds.md). Separated by tabs, commas, semicolons or blanks, whichever of them the first row has
-/// in this order; `#` begins a comment. The first row holds names if no field of it is a number.
+/// in this order; quotes as RFC 4180 has them; `#` begins a comment. The first row holds names if no field of it is a
+/// number.
 ///
 /// Errors: E0564 a row with another number of fields, a value that is no finite number, a scale that is not positive;
 /// E0565 columns missing, incomplete or twice; E0566 no row; E0567 a rotation that is none. Then the result is empty.

@@ -28,7 +28,7 @@ struct SeedsOptions {
   std::string format = "auto";
   bool scene = false;
   std::string assembly;
-  double radius = 0.0;  ///< of placements or beads without one; 0: chosen
+  double radius = 0.0;  ///< of placements, beads or ingredients without one; 0: chosen
   std::string beads;    ///< table beside one of placements
   std::string kinds;    ///< table of names and colours
   bool blend = false;
@@ -265,10 +265,19 @@ int cellpack_seeds(const SeedsOptions& options, Context& context) {
   Outputs outputs;
   if (options.scene) outputs.announce(options.prefix + ".voml");
   Diagnostics diagnostics;
-  const auto packing = authoring::parse_cellpack(options.input, read_unpacked(options.input), diagnostics);
+  const Looks looks(options, context);
+  const auto packing = authoring::parse_cellpack(
+      options.input, read_unpacked(options.input),
+      [&](const std::string& name) { return looks.radius(name, options.radius); }, diagnostics);
   context.stopwatch.lap("read");
   if (!packing) stop_with(diagnostics, context);
-  const std::string note = write_packing(options, *packing, Looks(options, context), outputs, context);
+  std::string note = write_packing(options, *packing, looks, outputs, context);
+  if (packing->without_beads != 0)
+    note += fmt::format("  {} without beads: one ball each\n", plural(packing->without_beads, "ingredient"));
+  if (packing->real_last != 0)
+    note += fmt::format("  {} of ingredients with a principalAxis: quaternions read as x y z w\n",
+                        plural(packing->real_last, "placement"));
+  if (packing->fibres != 0) note += fmt::format("  left out: {}\n", plural(packing->fibres, "curve"));
   if (!context.quiet) print_result(note);
   return exit_done;
 }
@@ -288,6 +297,7 @@ authoring::Molecule read_assemblies(const SeedsOptions& options, Context& contex
   auto molecule = authoring::parse_molecule(options.input, read_unpacked(options.input), molecule_options, diagnostics);
   context.stopwatch.lap("read");
   if (!molecule) stop_with(diagnostics, context);
+  print_diagnostics(diagnostics, context);
   return std::move(*molecule);
 }
 
@@ -359,6 +369,7 @@ int molecule_seeds(const SeedsOptions& options, Context& context) {
       authoring::parse_molecule(options.input, read_unpacked(options.input), options.molecule_options, diagnostics);
   context.stopwatch.lap("read");
   if (!molecule) stop_with(diagnostics, context);
+  print_diagnostics(diagnostics, context);
   const authoring::MoleculeFrame frame = authoring::fit_molecule(molecule->atoms);
   const std::vector<authoring::ElementSeeds> elements = authoring::element_seeds(molecule->atoms, frame);
   context.stopwatch.lap("seeds");
@@ -389,8 +400,10 @@ std::string format_of(const SeedsOptions& options) {
 
 int seeds(const SeedsOptions& options, Context& context) {
   const std::string format = format_of(options);
-  if (format != "table" && (!options.table_options.columns.empty() || options.radius != 0.0 || !options.beads.empty()))
-    fail_usage(fmt::format("--columns, --radius and --beads are for tables; {} is read as {}", options.input, format));
+  if (format != "table" && (!options.table_options.columns.empty() || !options.beads.empty()))
+    fail_usage(fmt::format("--columns and --beads are for tables; {} is read as {}", options.input, format));
+  if (format == "molecule" && options.radius != 0.0)
+    fail_usage(fmt::format("--radius is for tables and results of cellPACK; {} is read as molecule", options.input));
   const bool beads = format == "cellpack" || !options.beads.empty();
   if (options.blend && !beads) fail_usage("--blend is for beads: results of cellPACK, and tables with --beads");
   if (options.jiggle != 0.0 && !options.blend) fail_usage("--jiggle moves blobs; --blend makes them");
@@ -425,7 +438,8 @@ void add_seeds(CLI::App& app, Invocation& invocation) {
       ->check(CLI::IsMember({"auto", "molecule", "table", "cellpack"}))
       ->type_name("FORMAT");
   command.add_flag("--voml", options->scene, "Also write PREFIX.voml, a scene of them in colours");
-  command.add_flag("--water", options->molecule_options.keep_water, "Keep water (HOH, DOD, WAT)");
+  command.add_flag("--water", options->molecule_options.keep_water,
+                   "Keep water (HOH, WAT, H2O, DOD, TIP3, SOL, SPC and the like)");
   command
       .add_option("--assembly", options->assembly,
                   "An assembly of the file: its unit is an object that stands once an operator; list tells which there are")
@@ -435,8 +449,10 @@ void add_seeds(CLI::App& app, Invocation& invocation) {
                   "Names of a table's columns instead of its own: x,y,z,kind")
       ->type_name("NAMES");
   command
-      .add_option("--radius", options->radius,
-                  "Half the edge of a placement's cube, for a table without scales; with --beads, the radius of a bead")
+      .add_option(
+          "--radius", options->radius,
+          "Half the edge of a placement's cube, for a table without scales; with --beads, the radius of a bead; of a\n"
+          "result of cellPACK, that of ingredients without beads or a radius")
       ->check(CLI::PositiveNumber)
       ->type_name("R");
   command

@@ -126,6 +126,54 @@ TEST_CASE("--assembly: the unit embedded once an operator, a list of assemblies,
   CHECK(unknown.err.find("co.pdb: error[E0563]: there is no assembly '9'") != std::string::npos);
 }
 
+TEST_CASE("elements that are not known: one warning, the atoms left out; --quiet keeps it back") {
+  const Folder folder;
+  std::string text = carbonyl;
+  text.replace(text.find("C  \n"), 1, "X");
+  const std::string pdb = folder.write("co.pdb", text);
+  const Run run = run_dmvv({"seeds", pdb, "-o", folder.file("co")});
+  CHECK(run.exit_code == 0);
+  CHECK(run.err.find("co.pdb:1:78: warning[W0580]: 1 atom is left out, because no such element is known: 'X' 1") !=
+        std::string::npos);
+  CHECK(run.out.find("1 atom (O 1)") != std::string::npos);
+  CHECK(run_dmvv({"seeds", pdb, "-o", folder.file("co"), "--quiet"}).err.empty());
+}
+
+TEST_CASE("a table with quotes within quotes: the kind's name in files and scene") {
+  const Folder folder;
+  const std::string table = folder.write("t.csv", "x,y,z,kind\n1,2,3,\"a \"\"big\"\" one\"\n4,5,6,b\n");
+  const Run run = run_dmvv({"seeds", table, "-o", folder.file("t"), "--voml"});
+  CAPTURE(run.err);
+  REQUIRE(run.exit_code == 0);
+  CHECK(run.out.find("2 placements (a__big__one 1, b 1)") != std::string::npos);
+  CHECK(run_dmvv({"check", "--strict", folder.file("t.voml")}).exit_code == 0);
+}
+
+TEST_CASE("a result of cellPACK without beads: balls of the recipe's radius, of --kinds or of --radius") {
+  const Folder folder;
+  const auto file = [&](const std::string& name, const std::string& radius) {
+    return folder.write(name, R"({"recipe":{"name":"root"},"cytoplasme":{"ingredients":{"Ball":{"name":"Ball",)" +
+                                  radius + R"("results":[[[100,0,0],[1,0,0,0]],[[-100,0,0],[1,0,0,0]]]}}}})");
+  };
+  const std::string told = file("told.json", R"("radius":25,"encapsulatingRadius":25,)"), none = file("none.json", "");
+  const Run run = run_dmvv({"seeds", told, "-o", folder.file("a"), "--voml"});
+  CAPTURE(run.err);
+  REQUIRE(run.exit_code == 0);
+  CHECK(run.out.find("2 placements of 1 ingredient with 1 bead\n") != std::string::npos);
+  CHECK(run.out.find("1 ingredient without beads: one ball each") != std::string::npos);
+  // Along x from -125 to 125: 125 is 0.95 units.
+  CHECK(run.out.find("1 unit = 131.6 A") != std::string::npos);
+  CHECK(run_dmvv({"check", "--strict", folder.file("a.voml")}).exit_code == 0);
+  const Run refused = run_dmvv({"seeds", none, "-o", folder.file("b")});
+  CHECK(refused.exit_code == 1);
+  CHECK(refused.err.find("none.json:1:65: error[E0568]: 'Ball' has neither beads nor a 'radius'") != std::string::npos);
+  const std::string kinds = folder.write("kinds.csv", "kind,radius\nBall,25\n");
+  for (const auto& [option, value] : {std::pair<std::string, std::string>{"--radius", "25"}, {"--kinds", kinds}})
+    CHECK(run_dmvv({"seeds", none, "-o", folder.file("b"), option, value}).out.find("1 unit = 131.6 A") !=
+          std::string::npos);
+  CHECK(run_dmvv({"seeds", folder.write("co.pdb", carbonyl), "-o", folder.file("c"), "--radius", "1"}).exit_code == 2);
+}
+
 TEST_CASE("a result of cellPACK: beads, placements, and the region of each ingredient where its bead is") {
   const Folder folder;
   const std::string json = folder.write("two.json", packing);

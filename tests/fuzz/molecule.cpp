@@ -10,7 +10,8 @@ namespace dmvv::fuzz {
 
 void run_molecule(std::string_view bytes) {
   Diagnostics diagnostics;
-  const auto molecule = authoring::parse_molecule("a.pdb", bytes, {bytes.size() % 2 == 0}, diagnostics);
+  const authoring::MoleculeOptions options{bytes.size() % 2 == 0, bytes.size() % 3 == 0};
+  const auto molecule = authoring::parse_molecule("a.pdb", bytes, options, diagnostics);
   must(molecule.has_value() == !diagnostics.has_errors(), "a molecule or an error");
   if (!molecule) return must(!diagnostics.render().empty(), "errors are told");
   must(!molecule->atoms.empty(), "a molecule has atoms");

@@ -1,8 +1,9 @@
-// Tables of placements and results of cellPACK, packed by gzip or not, and what is made of them.
+// Tables of placements and of kinds, and results of cellPACK, packed by gzip or not, and what is made of them.
 #include <cmath>
 
 #include "authoring/cellpack.h"
 #include "authoring/gunzip.h"
+#include "authoring/kind_table.h"
 #include "tests/fuzz/targets.h"
 #include "voml/grid.h"
 
@@ -42,6 +43,10 @@ void check_files(std::span<const authoring::Placement> placements) {
 void run_table(std::string_view bytes) {
   const auto text = unpacked(bytes);
   if (!text) return;
+  Diagnostics of_kinds;
+  must(authoring::parse_kind_table("k.csv", *text, of_kinds).has_value() == !of_kinds.has_errors(),
+       "kinds or an error");
+  must(!of_kinds.has_errors() || !of_kinds.render().empty(), "errors are told");
   Diagnostics diagnostics;
   const auto table = authoring::parse_placement_table("t.csv", *text, {}, diagnostics);
   must(table.has_value() == !diagnostics.has_errors(), "a table or an error");
@@ -62,7 +67,8 @@ void run_cellpack(std::string_view bytes) {
   const auto text = unpacked(bytes);
   if (!text) return;
   Diagnostics diagnostics;
-  const auto packing = authoring::parse_cellpack("p.json", *text, diagnostics);
+  const auto packing = authoring::parse_cellpack(
+      "p.json", *text, [&](const std::string&) { return text->size() % 2 == 0 ? 2.0 : 0.0; }, diagnostics);
   must(packing.has_value() == !diagnostics.has_errors(), "a packing or an error");
   if (!packing) return must(!diagnostics.render().empty(), "errors are told");
   for (const auto& ingredient : packing->ingredients) {

@@ -120,14 +120,16 @@ TEST_CASE("PDB: water, alternate locations and further models are left out and c
 
 TEST_CASE("PDB: faults stand at their line and column, all of them") {
   const std::string good = atom(" N   THR A   1 ", {1, 2, 3}, "N");
-  std::string bad_y = good, bad_element = good;
+  std::string bad_y = good, bad_x = good;
   bad_y.replace(38, 8, "  14.o99");
-  bad_element.replace(76, 2, "QQ");
-  const Reading reading = read(good + bad_y + bad_element);
+  bad_x.replace(30, 8, "  12,000");
+  const Reading reading = read(good + bad_y + bad_x);
   CHECK_FALSE(reading.molecule);
   CHECK_MESSAGE(reading.messages.find("m:2:39: error[E0560]") != std::string::npos, reading.messages);
-  CHECK_MESSAGE(reading.messages.find("m:3:77: error[E0561]: unknown element 'QQ'") != std::string::npos,
-                reading.messages);
+  CHECK_MESSAGE(
+      reading.messages.find("m:3:31: error[E0560]: the coordinate x is '  12,000', not a finite number; write "
+                            "12.000, with a point") != std::string::npos,
+      reading.messages);
   check_refused(good + "ATOM      2  CA  THR A   1      17.047\r\n",
                 "m:2:1: error[E0560]: the record ends at column 38");
   check_refused("ATOM\t1\n" + good, "m:1:5: error[E0560]: a tab");
@@ -178,7 +180,8 @@ TEST_CASE("mmCIF: faults stand at their line and column") {
                 "m:14:1: error[E0560]: the last row of the loop has 8 values, its names are 10");
   check_refused(cif("ATOM C . THR A 1 ? 0 0 1\n"), "m:13:18: error[E0560]: the coordinate x is '?'");
   check_refused(cif("ATOM C . THR A 1 1 0 12.3(x) 1\n"), "m:13:22: error[E0560]: the coordinate z is '12.3(x)'");
-  check_refused(cif("ATOM ? . THR A 1 1 0 0 1\n"), "m:13:6: error[E0561]: the atom's element is not given");
+  check_refused("data_M loop_ _atom_site.Cartn_x _atom_site.Cartn_y _atom_site.Cartn_z _atom_site.cartn_x 1 2 3 4",
+                "m:1:14: error[E0560]: the atoms have _atom_site.Cartn_x twice");
   check_refused("data_M loop_ _atom_site.Cartn_x _atom_site.Cartn_y 1 2",
                 "m:1:14: error[E0560]: the atoms have no _atom_site.Cartn_z");
   check_refused("data_M _a.b 'open\n'", "m:1:13: error[E0560]: a quote");
@@ -187,6 +190,157 @@ TEST_CASE("mmCIF: faults stand at their line and column") {
   check_refused("data_M loop_ 1", "m:1:8: error[E0560]: a loop without names");
   check_refused("data_M 1", "m:1:8: error[E0560]: a value without a name");
   check_refused("data_M save_x", "m:1:8: error[E0560]: 'save_x' has no meaning");
+}
+
+namespace {
+
+std::string with_line_ends(std::string text, std::string_view end) {
+  std::string result;
+  for (const char c : text) result += c == '\n' ? std::string(end) : std::string(1, c);
+  return result;
+}
+
+/// The symbol of an atom without an element, alone in its file; a name of four columns and a residue of three.
+std::string symbol_of(std::string_view name, std::string_view residue) {
+  return symbols(read(atom(fmt::format("{:<4} {:>3} A   1 ", name, residue), {}, "")));
+}
+
+}  // namespace
+
+TEST_CASE("PDB and mmCIF: a byte order mark and any line ends; places stay exact") {
+  // Two atoms, the first of which follows the mark: gemmi and Biopython read both.
+  const std::string pdb =
+      "ATOM      1  CA  ALA A   1       0.000   0.000   0.000  1.00 10.00           C\n"
+      "ATOM      2  CA  ALA A   2       4.000   0.000   0.000  1.00 10.00           C\n";
+  const std::string mmcif = "# a comment\n" + cif("ATOM C . THR A 1 0 0 0 1\nATOM C . THR A 2 4 0 0 1\n");
+  for (const std::string& text : {pdb, mmcif}) {
+    for (const char* const mark : {"", "\xef\xbb\xbf"}) {
+      for (const char* const end : {"\n", "\r\n", "\r"}) {
+        const Reading reading = read(mark + with_line_ends(text, end));
+        CHECK(symbols(reading) == "C C");
+        CHECK(reading.molecule->atoms[1].position.x == 4);
+      }
+    }
+  }
+  check_refused("\xef\xbb\xbf" + with_line_ends(pdb + "ATOM      3  CA\n", "\r"),
+                "m:3:1: error[E0560]: the record ends at column 15");
+  check_refused(with_line_ends(mmcif + "ATOM C . THR A 3 0 x 0 1\n", "\r"), "m:16:20: error[E0560]: the coordinate y");
+  check_refused("\xff\xfe\x41", "m: error[E0560]: the file is UTF-16");
+}
+
+TEST_CASE("PDB: a MODEL record begins a model, whether the one before has ended or not") {
+  const std::string ca = "ATOM      1  CA  ALA A   1       0.000   0.000   0.000  1.00 10.00           C\n";
+  for (const std::string& text : {"MODEL        1\n" + ca + "MODEL        2\n" + ca,
+                                  "MODEL        1\n" + ca + "ENDMDL\nMODEL        2\n" + ca + "ENDMDL\n",
+                                  "model        1\n" + ca + "MODEL        2\n" + ca + "END\n",
+                                  "MODEL        1\nENDMDL\nMODEL        2\n" + ca + "MODEL        3\n" + ca}) {
+    const Reading reading = read(text);
+    CHECK(symbols(reading) == "C");
+    CHECK(reading.molecule->other_models == 1);
+  }
+  CHECK(symbols(read("MODEL        1\n" + ca + ca)) == "C C");  // no end at all
+}
+
+TEST_CASE("PDB: elements of names at the left, by residue: standard amino acids and nucleotides hold no metals") {
+  // As prediction servers wrote it: no elements, names from column 13 on.
+  CHECK(symbols(read("ATOM      1 N    LEU A   1       0.000   0.000   0.000  1.00 10.00\n"
+                     "ATOM      2 CA   LEU A   1       2.000   0.000   0.000  1.00 10.00\n"
+                     "ATOM      3 CD1  LEU A   1       4.000   0.000   0.000  1.00 10.00\n"
+                     "ATOM      4 NE2  GLN A   2       6.000   0.000   0.000  1.00 10.00\n"
+                     "ATOM      5 HG   SER A   3       8.000   0.000   0.000  1.00 10.00\n"
+                     "ATOM      6 ND1  HIS A   4      10.000   0.000   0.000  1.00 10.00\n")) == "N C C N H N");
+  for (const char* const residue : {"HIS", "HSD", "HIE", "CYX", "MSE", "ASX"}) CHECK(symbol_of("CD", residue) == "C");
+  for (const char* const residue : {"A", "DA", "DA5", "RG", "ADE", "  U"}) CHECK(symbol_of("NE", residue) == "N");
+  CHECK(symbol_of("SE", "MSE") == "Se");
+  CHECK(symbol_of("HO5'", "DT") == "H");
+  CHECK(symbol_of("OS", "SER") == "O");
+  CHECK(symbols(read(atom("CA   NALAA   1 ", {}, ""))) == "C");  // residues of four letters: AMBER
+}
+
+TEST_CASE("PDB: ions are named like their residues; other residues by the columns, or as the file writes names") {
+  CHECK(symbol_of("CA", "CA") == "Ca");
+  CHECK(symbol_of(" ZN", "ZN") == "Zn");
+  CHECK(symbol_of("NA+", "NA+") == "Na");
+  CHECK(symbol_of("SOD", "SOD") == "Na");  // CHARMM
+  CHECK(symbol_of("CLA", "CLA") == "Cl");
+  CHECK(symbol_of("FE", "HEM") == "Fe");
+  CHECK(symbol_of("CD", "LIG") == "Cd");
+  const std::string at_left = atom("N    LIG A   1 ", {}, "");  // right-justified, it would stand in column 14
+  const auto in_file = [&](std::string_view name) {
+    return symbols(read(at_left + atom(fmt::format("{:<4} LIG A   1 ", name), {}, "")));
+  };
+  CHECK(in_file("CD") == "N C");
+  CHECK(in_file("NA") == "N N");
+  CHECK(in_file("CL1") == "N Cl");
+  CHECK(in_file("FE") == "N Fe");
+  CHECK(in_file("BR2") == "N Br");
+}
+
+TEST_CASE("PDB: digits before a hydrogen, wherever the name stands") {
+  CHECK(symbols(read("ATOM      1  CB  ALA A   1       0.000   0.000   0.000  1.00 10.00\n"
+                     "ATOM      2  2HB ALA A   1       1.000   0.000   0.000  1.00 10.00\n")) == "C H");
+  for (const char* const name : {"1HB", " 1H", "2HB1", "3HG2", " 2HA", "1H5*", "''H"}) {
+    CHECK(symbol_of(name, "ALA") == "H");
+    CHECK(symbol_of(name, "LIG") == "H");
+  }
+  CHECK(symbol_of("1D", "ALA") == "H");  // deuterium
+}
+
+TEST_CASE("PDB: what stands in columns 77-78 and is no element") {
+  const auto with_tail = [](std::string_view tail) {  // from column 67 on
+    std::string text = atom(" OD1 ASP A   1 ", {}, "");
+    return symbols(read(text.insert(text.size() - 1, tail)));
+  };
+  CHECK(with_tail("           N1-") == "N");  // a charge
+  CHECK(with_tail("          n ") == "N");    // at the left
+  CHECK(with_tail("      1ABC1234") == "O");  // before 1996
+  CHECK(with_tail("    -0.648 NA") == "O");   // AutoDock: a charge, and a type in columns 78-79
+}
+
+TEST_CASE("elements that are not known: counted and named in one warning, the others drawn") {
+  const std::string good = atom(" N   THR A   1 ", {1, 2, 3}, "N");
+  const std::string x = atom(" DU  THR A   1 ", {}, "X"), qq = atom(" Q1  THR A   1 ", {}, "QQ");
+  const Reading reading = read(good + x + qq + x);
+  CHECK(symbols(reading) == "N");
+  CHECK(reading.molecule->unknown_elements == 3);
+  CHECK_MESSAGE(
+      reading.messages.starts_with("m:2:78: warning[W0580]: 3 atoms, of which this is the first, are left out, "
+                                   "because no such element is known: 'QQ' 1, 'X' 2"),
+      reading.messages);
+  CHECK(reading.messages.find("1 warning") != std::string::npos);
+  const Reading other = read(cif("ATOM X . THR A 1 1 0 0 1\nATOM C . THR A 1 1 0 0 1\nATOM ? . THR A 1 1 0 0 1\n"));
+  CHECK(symbols(other) == "C");
+  CHECK_MESSAGE(other.messages.starts_with("m:13:6: warning[W0580]: 2 atoms, of which this is the first, are left out, "
+                                           "because no such element is known: 'X' 1, not given 1"),
+                other.messages);
+  check_refused(x + qq, "m:1:1: error[E0562]: no atom has an element that is known ('QQ' 1, 'X' 1)");
+}
+
+TEST_CASE("water by every usual name, alike in both formats") {
+  for (const char* const name :
+       {"HOH", "WAT", "H2O", "DOD", "TIP", "TIP3", "TP3", "TIP4", "SOL", "SPC", "T4P", "OH2"}) {
+    const std::string water = atom(fmt::format(" OH2 {:<4}A   2 ", name), {}, ""),
+                      point = atom(" MW  SOL A   2 ", {}, "");
+    const std::string text = atom(" N   THR A   1 ", {}, "N") + water + point;
+    const Reading pdb = read(text),
+                  mmcif = read(cif(fmt::format("ATOM C . THR A 1 1 0 0 1\nATOM O . {} A 2 1 0 0 1\n", name)));
+    CHECK(symbols(pdb) == "N");
+    CHECK(pdb.molecule->waters == 2);  // the point without mass of a model of four points is water as well
+    CHECK(symbols(mmcif) == "C");
+    CHECK(mmcif.molecule->waters == 1);
+    CHECK(symbols(read(text, true)) == "N O");
+  }
+  CHECK(read(atom(" O   WAX A   2 ", {}, "O")).molecule->waters == 0);
+}
+
+TEST_CASE("mmCIF: elements with charges, of names where the file has none; a file that begins without data_") {
+  const Reading reading = read(
+      "loop_ _atom_site.label_atom_id _atom_site.label_comp_id _atom_site.Cartn_x _atom_site.Cartn_y "
+      "_atom_site.Cartn_z\n"
+      "CA ALA 0 0 0 \"HO5'\" DA 0 0 0 CA CA 0 0 0 CL1 LIG 0 0 0 CD LIG 0 0 0\n");
+  CHECK(symbols(reading) == "C H Ca Cl C");
+  CHECK(symbols(read(cif("ATOM Fe3+ . HEM A 1 1 0 0 1\nATOM O2- . HEM A 1 1 0 0 1\nATOM 'C' . HEM A 1 1 0 0 ?\n"))) ==
+        "Fe O C");
 }
 
 TEST_CASE("the balls fill the cube up to its margin, and seeds give every atom back") {

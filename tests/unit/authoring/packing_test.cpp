@@ -165,6 +165,14 @@ TEST_CASE("the table of kinds: names, colours and radii; faults at their place")
   CHECK(table->at("7").radius == 0.0);
   CHECK(table->at("8").name.empty());
   CHECK(table->at("8").radius == 2.5);
+  const auto quoted =
+      kinds("\xef\xbb\xbf\"kind\";name;\"rgb\"\r\n\"7\";\"RNA \"\"P\"\"; 3,5\";#ff8000\r\n;;\r\n# none\r\n");
+  REQUIRE_MESSAGE(quoted.first, quoted.second);
+  CHECK(quoted.first->at("7").name == "RNA \"P\"; 3,5");
+  CHECK(quoted.first->size() == 1);
+  CHECK(kinds("kind\tname\na\t\"x\n").second.starts_with("k:2:3: error[E0564]: a quote that is not closed"));
+  CHECK(kinds("\"kind").second.find("1 error\n") != std::string::npos);  // no table is empty as a consequence
+  CHECK(kinds("kind;radius\na;2,5\n").second.starts_with("k:2:3: error[E0564]: '2,5' is no radius; write 2.5"));
   const std::string names = "kind\trgb\n";
   CHECK(kinds(names + "a\t#12345\n").second.starts_with("k:2:3: error[E0564]: '#12345' is no colour"));
   CHECK(kinds(names + "a\t#12345g\n").second.starts_with("k:2:3: error[E0564]"));

@@ -185,6 +185,45 @@ TEST_CASE("tables: faults stand at their line and column, all of rows") {
   check_refused("x,y,z,kind\n1,2,3,\"a\n", "t:2:7: error[E0564]: a quote");
 }
 
+namespace {
+
+/// The names of the kinds, in order, between bars.
+std::string kinds_of(const Reading& reading) {
+  REQUIRE_MESSAGE(reading.table, reading.messages);
+  std::string names = "|";
+  for (const PlacedKind& kind : reading.table->kinds) names += kind.name + '|';
+  return names;
+}
+
+}  // namespace
+
+TEST_CASE("tables: quotes as RFC 4180 has them, in every separation, with any line ends and a mark") {
+  CHECK(kinds_of(read("x,y,z,kind\n1,2,3,\"a \"\"big\"\" one\"\n4,5,6,b\n")) == "|a \"big\" one|b|");
+  CHECK(kinds_of(read("1,2,3,\"a\nb\"\n4,5,6,\"\"\"\"\n7,8,9,\"x,#y\" # z\n")) == "|a\nb|\"|x,#y|");
+  CHECK(kinds_of(read("1\t2\t3\t\"a\tb\"\n")) == "|a\tb|");
+  CHECK(kinds_of(read("1;2;3;\"a;b\"\n")) == "|a;b|");
+  CHECK(kinds_of(read("1 2 3 \"a b\"\n4 5 6 c \n")) == "|a b|c|");
+  CHECK(kinds_of(read("1,2,3,5\" pipe # of steel\n")) ==
+        "|5\" pipe|");  // only a field that begins with a quote has quotes
+  CHECK(kinds_of(read("\"kind\" ,\"x\",\"y\",\"z\"\n\"a\",\"1\", \"2\" ,\"3\"\n")) == "|a|");
+  // The separator is not one that stands within quotes.
+  CHECK(kinds_of(read("\"a,b\";x;y;z;kind\n1;2;3;4;c\n")) == "|c|");
+  for (const char* const end : {"\n", "\r\n", "\r"}) {
+    std::string text = "\xef\xbb\xbfx,y,z,kind";
+    for (const char* const line : {"1,2,3,a", "", ",,,", "4,5,6,\"b\"", "7,8,9,"}) text += end + std::string(line);
+    CHECK(kinds_of(read(text)) == "|a|b||");
+  }
+}
+
+TEST_CASE("tables: faults of quotes and numbers at their place, behind quoted line ends too") {
+  check_refused("x,y,z,kind\n1,2,3,\"a\" b\n", "t:2:11: error[E0564]: text behind a closing quote");
+  check_refused("x,y,z,kind\n1,2,3,\"a\"\"\n4,5,6,b\n", "t:2:7: error[E0564]: a quote that is not closed");
+  check_refused("\"", "t:1:1: error[E0564]: a quote");
+  check_refused("x,y,z,kind\n1,2,3,\"a\nb\"\n4,o,6,c\n", "t:4:3: error[E0564]: 'y' is 'o'");
+  check_refused("x;y;z\n1;2,5;3\n", "t:2:3: error[E0564]: 'y' is '2,5', not a finite number; write 2.5, with a point");
+  check_refused("\xff\xfex", "t: error[E0564]: the file is UTF-16");
+}
+
 TEST_CASE("names of files: plain characters, told apart in any case, none the end of another's") {
   const std::vector<std::string> names{"A b", "a_B", "all", "../x", "", "a", "a_scale", "\xc3\xa4"};
   const std::vector<std::string> files = file_names_of(names);
@@ -364,44 +403,184 @@ TEST_CASE("assemblies of mmCIF: faults in expressions") {
   check_assemblies_refused(operators_of_cif(""), "m:30:44: error[E0563]: the operators of an assembly are not given");
 }
 
-TEST_CASE("cellPACK: beads and placements, wherever ingredients stand; faults") {
-  const auto read_packing = [](std::string_view text) {
-    Diagnostics diagnostics;
-    auto packing = parse_cellpack("c", text, diagnostics);
-    return std::pair(std::move(packing), diagnostics.render());
-  };
+namespace {
+
+struct PackingReading {
+  std::optional<Packing> packing;
+  std::string messages;
+};
+
+PackingReading read_packing(std::string_view text, double radius = 0.0) {
+  Diagnostics diagnostics;
+  PackingReading result;
+  result.packing = parse_cellpack(
+      "c", text, [&](const std::string&) { return radius; }, diagnostics);
+  result.messages = diagnostics.render();
+  return result;
+}
+
+void check_packing_refused(std::string_view text, std::string_view place_and_code) {
+  const PackingReading reading = read_packing(text);
+  CHECK_FALSE(reading.packing);
+  CHECK_MESSAGE(reading.messages.starts_with(place_and_code), reading.messages);
+}
+
+const Ingredient& only_ingredient(const PackingReading& reading) {
+  REQUIRE_MESSAGE(reading.packing, reading.messages);
+  REQUIRE(reading.packing->ingredients.size() == 1);
+  return reading.packing->ingredients[0];
+}
+
+/// An ingredient that stands at the origin, unturned.
+std::string placed_once(std::string_view members) {
+  return fmt::format(R"({{"A": {{"results": [[[0,0,0],[1,0,0,0]]]{}}}}})", members);
+}
+
+}  // namespace
+
+TEST_CASE("cellPACK: beads and placements, wherever ingredients stand") {
   const std::string start = R"({"recipe":{"name":"n"},"compartments":{"in":{"interior":{"ingredients":{"A":{"results":)";
   const std::string end = R"(},"none":{"results":[]}}}}}})";
   const std::string turned = "[[[10,0,0],[0.7071067811865476,0,0,0.7071067811865476]]]";  // x -> y
   const auto reading = read_packing(start + turned + R"(,"positions":[[[1,0,0]]],"radii":[[2]])" + end);
-  const auto& packing = reading.first;
-  REQUIRE_MESSAGE(packing, reading.second);
-  REQUIRE(packing->ingredients.size() == 1);
-  CHECK(packing->ingredients[0].name == "A");
-  CHECK(packing->repaired == 0);
-  const MoleculeFrame frame = fit_packing(*packing);  // one ball of radius 2 at (10, 1, 0)
+  const Ingredient& ingredient = only_ingredient(reading);
+  CHECK(ingredient.name == "A");
+  CHECK(reading.packing->repaired == 0);
+  CHECK(reading.packing->without_beads == 0);
+  const MoleculeFrame frame = fit_packing(*reading.packing);  // one ball of radius 2 at (10, 1, 0)
   CHECK(glm::distance(frame.center, glm::dvec3(10, 1, 0)) < 1e-12);
   CHECK(frame.angstrom_per_unit == doctest::Approx(2 / 0.95));
-  CHECK(fit_beads(packing->ingredients[0]).center == glm::dvec3(1, 0, 0));
-  CHECK(bead_files(packing->ingredients[0], {{0, 0, 0}, 4}).seeds == "0.125000000 0.000000000 0.000000000\n");  // 1 / 8
+  CHECK(fit_beads(ingredient).center == glm::dvec3(1, 0, 0));
+  CHECK(bead_files(ingredient, {{0, 0, 0}, 4}).seeds == "0.125000000 0.000000000 0.000000000\n");  // 1 / 8
+  // In a list, an ingredient is named by its name.
+  CHECK(only_ingredient(read_packing(R"({"groups":[{"name":"B","results":[[[0,0,0],[1,0,0,0]]],"radius":1}]})")).name ==
+        "B");
+}
 
-  CHECK(read_packing("{\n\"a\": x}").second.starts_with("c:2:6: error[E0568]"));
-  CHECK(read_packing("{}").second.find("E0568]: no ingredient") != std::string::npos);
-  CHECK(read_packing("{\"a\": 1e400}").second.find("E0568]: a number is larger than any double") != std::string::npos);
+TEST_CASE("cellPACK: beads as lists of points, as Mesoscope writes them, and levels of detail") {
+  const std::vector<glm::dvec3> two{{1, 2, 3}, {4, 5, 6}};
+  for (
+      const char* const members :
+      {R"(,"positions": [[[1,2,3],[4,5,6]], [[9,9,9]]], "radii": [[7,8],[9]])",
+       R"(,"positions": [{"coords": [1,2,3,4,5,6]}, {"coords": [9,9,9]}], "radii": [{"radii": [7,8]}, {"radii": [9]}])",
+       R"(,"positions": {"coords": [1,2,3,4,5,6]}, "radii": {"radii": [7,8]})",
+       R"(,"positions": [[1,2,3],[4,5,6]], "radii": [7,8])", R"(,"positions": [[1,2,3,4,5,6]], "radii": [[7,8]])"}) {
+    const auto reading = read_packing(placed_once(members));
+    const Ingredient& ingredient = only_ingredient(reading);
+    REQUIRE(ingredient.beads.size() == 2);
+    for (std::size_t i = 0; i < 2; ++i) {
+      CHECK(ingredient.beads[i].position == two[i]);
+      CHECK(ingredient.beads[i].radius == 7.0 + static_cast<double>(i));
+    }
+  }
+}
+
+TEST_CASE("cellPACK: without beads an ingredient is a ball: of the recipe's radius, else of the given one") {
+  // As cellPACK's own example of discs writes it.
+  const auto discs = read_packing(
+      R"({"recipe":{"name":"root"},"cytoplasme":{"ingredients":{"Ball":{"name":"Ball","Type":"SingleSphere","radius":25,)"
+      R"("encapsulatingRadius":30,"results":[[[100,0,0],[1,0,0,0]],[[0,200,0],[1,0,0,0]]]}}}})");
+  const Ingredient& ball = only_ingredient(discs);
+  CHECK(ball.placements.size() == 2);
+  REQUIRE(ball.beads.size() == 1);
+  CHECK(ball.beads[0].position == glm::dvec3(0));
+  CHECK(ball.beads[0].radius == 25);
+  CHECK(discs.packing->without_beads == 1);
+  const auto radius_of = [](std::string_view members) {
+    const auto reading = read_packing(placed_once(members), 5.0);
+    return only_ingredient(reading).beads.at(0).radius;
+  };
+  CHECK(radius_of(R"(,"encapsulatingRadius": 30)") == 30);
+  CHECK(radius_of(R"(,"positions": [], "radii": [], "encapsulatingRadius": 30)") == 30);
+  CHECK(radius_of(R"(,"radii": [[25]])") == 25);  // a ball's own
+  CHECK(radius_of(R"(,"positions": null, "radius": 0)") == 5);
+  CHECK(radius_of("") == 5);
+  CHECK(radius_of(R"(,"positions": [[[1,2,3]]])") == 5);
+  check_packing_refused(placed_once(""),
+                        "c:1:7: error[E0568]: 'A' has neither beads nor a 'radius' or "
+                        "'encapsulatingRadius'; give it a radius by --radius");
+  check_packing_refused(placed_once(R"(,"positions": [[[1,2,3]]])"),
+                        "c:1:7: error[E0568]: 'A' has beads without radii");
+  check_packing_refused(placed_once(R"(,"radius": -1)"), "c:1:51: error[E0568]: a radius must be greater than zero");
+}
+
+TEST_CASE("cellPACK: the same packing with matrices and with quaternions, as it was published") {
+  // NM_Analysis_FigureC1.4 of cellPACK_data, .apr.json and .cpr.json: w x y z, and rows.
+  const auto matrices = read_packing(R"({"A":{"encapsulatingRadius":75,"results":[
+    [[290.63699,150.60117,0],[[-0.32365694,0.9461745,0,0],[-0.9461745,-0.32365694,0,0],[0,0,1,0],[0,0,0,1]]],
+    [[723.35352,257.21872,0],[[0.44196128,-0.89703413,0],[0.89703413,0.44196128,0],[0,0,1]]]]}})");
+  const auto quaternions = read_packing(R"({"A":{"encapsulatingRadius":75,"results":[
+    [[290.63699,150.60117,0],[0.58152518,0,0,-0.81352841]],[[723.35352,257.21872,0],[0.84910579,0,0,0.52822283]]]}})");
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Placement &a = only_ingredient(matrices).placements.at(i), &b = only_ingredient(quaternions).placements.at(i);
+    CHECK(a.position == b.position);
+    CHECK(distance(a.rotation, b.rotation) < 1e-7);
+  }
+  CHECK(quaternions.packing->real_last == 0);
+  const auto at = [](std::string_view position, std::string_view column) {  // a matrix that moves as well
+    const std::string text = fmt::format(
+        R"({{"A":{{"radius":1,"results":[[{},[[1,0,0,{}],[0,1,0,0],[0,0,1,0],[0,0,0,1]]]]}}}})", position, column);
+    const auto reading = read_packing(text);
+    return reading.packing ? only_ingredient(reading).placements.at(0).position.x : -1.0;
+  };
+  CHECK(at("[0,0,0]", "4") == 4);
+  CHECK(at("[4,0,0]", "0") == 4);
+  CHECK(at("[4,0,0]", "4") == 4);
+  CHECK(at("[4,0,0]", "3") == -1);  // refused
+}
+
+TEST_CASE("cellPACK: quaternions of ingredients with a principalAxis have their real part last") {
+  // CD63 of exosomes.json and HA of InfluenzaModel2.json (cellPACK_data): the axis of a membrane's protein points
+  // outward.
+  const auto exosome = read_packing(R"({"CD63":{"radius":20,"principalAxis":[0,0,1],"results":[
+    [[272.2845,387.9836,143.3515],[-0.02428811,0.5952667,0.6366376,0.4896528]],
+    [[-197.4492,-49.74862,450.7381],[-0.1843677,-0.1004093,0.9464042,0.245449]]]}})");
+  for (const Placement& placement : only_ingredient(exosome).placements)
+    CHECK(glm::dot(placement.rotation * glm::dvec3(0, 0, 1), glm::normalize(placement.position)) > 0.99);
+  CHECK(exosome.packing->real_last == 2);
+}
+
+TEST_CASE("cellPACK: faults stand at the value that is at fault") {
+  check_packing_refused("{\n\"a\": x}", "c:2:6: error[E0568]: the text is not JSON here");
+  check_packing_refused("\xef\xbb\xbf{\n\"a\": x}", "c:2:6: error[E0568]");
+  check_packing_refused("{\"a\": 1", "c:1:7: error[E0568]");
+  check_packing_refused("{}", "c:1:1: error[E0568]: no ingredient");
+  check_packing_refused("{\n \"b\": [2, 1e400]}", "c:2:11: error[E0568]: a number is larger than any double");
+  check_packing_refused(placed_once(R"(,"radius": 1e39)"), "c:1:51: error[E0568]: a number is beyond the range");
   std::string deep = "1";
   for (int i = 0; i < 1000; ++i) deep = "{\"a\":" + deep + "}";
-  CHECK(read_packing(deep).second.find("E0568]: objects stand more than 64 deep") != std::string::npos);
-  CHECK(read_packing(start + turned + end).second.find("E0568]: 'A' has no beads") != std::string::npos);
-  CHECK(read_packing(start + turned + R"(,"positions":[[[1,0,0]]],"radii":[[2,3]])" + end)
-            .second.find("E0568]: 'A' has 1 beads and 2 radii") != std::string::npos);
-  CHECK(read_packing(start + "[[[1,0,0],[2,0,0,0]]]" + end).second.find("E0567]: the quaternion of placement 1 of 'A'") !=
-        std::string::npos);
+  check_packing_refused(deep, "c:1:326: error[E0568]: objects stand more than 64 deep");  // behind 65 times {"a":
+  const auto in_results = [](std::string_view entry) {
+    return fmt::format(
+        "{{\"x\": [1, \"]\\\"[\", {{}}],\n \"A\": {{\"radius\": 1,\n  \"results\": [[[0,0,0],[1,0,0,0]],\n{}]}}}}",
+        entry);
+  };
+  check_packing_refused(in_results("[[1,0,0],[2,0,0,0]]"), "c:4:10: error[E0567]: this rotation of 'A'");
+  check_packing_refused(in_results("[[1,0,0],[1,0,0]]"), "c:4:10: error[E0568]: a quaternion has 4 numbers");
+  check_packing_refused(in_results("[[1,0,\"0\"],[1,0,0,0]]"), "c:4:7: error[E0568]: this is not a number");
+  check_packing_refused(in_results("[[1,0],[1,0,0,0]]"), "c:4:2: error[E0568]: this is not a list of 3 numbers");
+  check_packing_refused(in_results("[[1,0,0],[1,0,0,0],3]"),
+                        "c:4:1: error[E0568]: a placement is [position, rotation]");
+  check_packing_refused(in_results("[[1,0,0],[[1,0,0],[0,1,0]]]"), "c:4:10: error[E0568]: a rotation has 3 or 4 rows");
+  check_packing_refused(in_results("[[1,0,0],[[1,0],[0,1],[0,0]]]"), "c:4:11: error[E0568]: a row of a rotation");
+  check_packing_refused(in_results("[[1,0,0],[[-1,0,0],[0,1,0],[0,0,1]]]"), "c:4:10: error[E0567]");
+  check_packing_refused(in_results("[[0,0,0],[[1,0,0,0],[0,1,0,0],[0,0,1,0],[5,0,0,1]]]"),
+                        "c:4:41: error[E0568]: the fourth row is not 0 0 0 1");
+  check_packing_refused(R"({"A": {"results": "other.bin"}})", "c:1:19: error[E0568]: 'results' is not a list");
+  check_packing_refused(placed_once(R"(,"positions": [[[1,2,3]]], "radii": [[2,3]])"),
+                        "c:1:77: error[E0568]: 'A' has 1 beads and 2 radii");
+  check_packing_refused(placed_once(R"(,"positions": [{"coords": [1,2]}])"),
+                        "c:1:66: error[E0568]: 2 numbers are no points");
+  check_packing_refused(placed_once(R"(,"positions": [{"points": []}])"),
+                        "c:1:55: error[E0568]: a level of detail without");
+  check_packing_refused(R"({"snake": {"nbCurve": 1, "results": []}})",
+                        "c:1:1: error[E0568]: no ingredient with 'results'; curves");
 }
 
 #ifdef DMVV_HIV
 TEST_CASE("cellPACK: a mature HIV-1 particle, as many of each as its description says") {
   Diagnostics diagnostics;
-  const auto packing = parse_cellpack("hiv", disk_files()(DMVV_HIV, 1u << 24).value(), diagnostics);
+  const auto packing = parse_cellpack("hiv", disk_files()(DMVV_HIV, 1u << 24).value(), {}, diagnostics);
   REQUIRE_MESSAGE(packing, diagnostics.render());
   std::size_t placements = 0, beads = 0;
   for (const Ingredient& ingredient : packing->ingredients) {
