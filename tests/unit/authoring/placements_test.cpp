@@ -530,14 +530,15 @@ TEST_CASE("cellPACK: the same packing with matrices and with quaternions, as it 
 }
 
 TEST_CASE("cellPACK: quaternions of ingredients with a principalAxis have their real part last") {
-  // CD63 of exosomes.json and HA of InfluenzaModel2.json (cellPACK_data): the axis of a membrane's protein points
+  // CD63 of exosomes.json and GAG of HIV_immature_model.json (cellPACK_data): the axis of a membrane's protein points
   // outward.
   const auto exosome = read_packing(R"({"CD63":{"radius":20,"principalAxis":[0,0,1],"results":[
     [[272.2845,387.9836,143.3515],[-0.02428811,0.5952667,0.6366376,0.4896528]],
-    [[-197.4492,-49.74862,450.7381],[-0.1843677,-0.1004093,0.9464042,0.245449]]]}})");
+    [[-197.4492,-49.74862,450.7381],[-0.1843677,-0.1004093,0.9464042,0.245449]],
+    [[592.8232,42.71677,65.38968],[0.2089952,-0.6344509,0.1799973,-0.7220761]]]}})");
   for (const Placement& placement : only_ingredient(exosome).placements)
     CHECK(glm::dot(placement.rotation * glm::dvec3(0, 0, 1), glm::normalize(placement.position)) > 0.99);
-  CHECK(exosome.packing->real_last == 2);
+  CHECK(exosome.packing->real_last == 3);
 }
 
 TEST_CASE("cellPACK: faults stand at the value that is at fault") {
