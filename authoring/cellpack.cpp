@@ -109,14 +109,15 @@ class IngredientReader {
   }
 
   std::vector<Bead> beads() {
-    const Json *const positions = first_level(json_, "positions", true), *const radii =
-                                                                             first_level(json_, "radii", false);
+    const Json* const positions = first_level(json_, "positions", true);
+    const Json* const radii = first_level(json_, "radii", false);
     const std::vector<double> known = radii ? radii_of(list_of(*radii, "radii")) : std::vector<double>{};
     std::vector<glm::dvec3> points = positions ? points_of(list_of(*positions, "coords")) : std::vector<glm::dvec3>{};
     if (points.empty() && known.size() < 2) {
       ++packing_.without_beads;
       return {{glm::dvec3(0.0), known.empty() ? own_radius() : known[0]}};
     }
+    if (points.size() == 1 && known.empty()) return {{points[0], own_radius()}};
     if (!known.empty() && known.size() != points.size())
       refuse(*radii, fmt::format("'{}' has {} beads and {} radii", name_, points.size(), known.size()));
     std::vector<Bead> result;
@@ -133,12 +134,12 @@ class IngredientReader {
     return radii;
   }
 
-  /// Of an ingredient without beads.
+  /// Of an ingredient that is one ball.
   double own_radius() const {
     for (const char* const key : {"radius", "encapsulatingRadius"})
       if (const Json* const radius = find(json_, key); radius && !(radius->is_number() && *radius == 0.0))
         return positive_radius(*radius);
-    return given_radius("has neither beads nor a 'radius' or 'encapsulatingRadius'");
+    return given_radius("has no radii of beads, and neither 'radius' nor 'encapsulatingRadius'");
   }
 
   double given_radius(std::string_view lack) const {

@@ -49,8 +49,9 @@ std::optional<glm::dvec3> MoleculeBuilder::position(const AtomRecord& record) {
   return position;
 }
 
-void MoleculeBuilder::leave_out_unknown(std::string_view element) {
-  if (first_unknown_.data() == nullptr) first_unknown_ = element;
+void MoleculeBuilder::leave_out_unknown(const AtomRecord& record) {
+  const std::string_view element = record.element;
+  if (unknown_.empty()) first_unknown_ = element.empty() ? record.coordinates[0] : element;
   const bool nothing = element.empty() || element == "." || element == "?";
   ++unknown_[nothing ? "not given" : voml::in_quotes(element)];
   ++molecule_.unknown_elements;
@@ -74,7 +75,7 @@ void MoleculeBuilder::add(const AtomRecord& record) {
     return;
   }
   const Element* const element = find_element(record.element);
-  if (!element) return leave_out_unknown(record.element);
+  if (!element) return leave_out_unknown(record);
   if (!record.alternate.empty() &&
       first_alternate_.try_emplace(record.residue, record.alternate).first->second != record.alternate) {
     ++molecule_.alternates;

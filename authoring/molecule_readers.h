@@ -51,7 +51,7 @@ class MoleculeBuilder {
 
  private:
   std::optional<glm::dvec3> position(const AtomRecord& record);
-  void leave_out_unknown(std::string_view element);
+  void leave_out_unknown(const AtomRecord& record);
   /// "X 2, QQ 1"
   std::string unknown_elements() const;
 
@@ -63,7 +63,7 @@ class MoleculeBuilder {
   std::unordered_map<std::string, std::uint32_t> chains_;
   std::unordered_map<std::string, std::string_view> first_alternate_;  ///< of each residue that has any
   std::map<std::string, std::size_t> unknown_;                         ///< atoms by elements that are not known
-  std::string_view first_unknown_;
+  std::string_view first_unknown_;  ///< the element of the first of them, or where none is given its coordinates
 };
 
 void read_pdb(MoleculeBuilder& builder);

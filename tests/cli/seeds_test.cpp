@@ -166,7 +166,7 @@ TEST_CASE("a result of cellPACK without beads: balls of the recipe's radius, of 
   CHECK(run_dmvv({"check", "--strict", folder.file("a.voml")}).exit_code == 0);
   const Run refused = run_dmvv({"seeds", none, "-o", folder.file("b")});
   CHECK(refused.exit_code == 1);
-  CHECK(refused.err.find("none.json:1:65: error[E0568]: 'Ball' has neither beads nor a 'radius'") != std::string::npos);
+  CHECK(refused.err.find("none.json:1:63: error[E0568]: 'Ball' has no radii of beads") != std::string::npos);
   const std::string kinds = folder.write("kinds.csv", "kind,radius\nBall,25\n");
   for (const auto& [option, value] : {std::pair<std::string, std::string>{"--radius", "25"}, {"--kinds", kinds}})
     CHECK(run_dmvv({"seeds", none, "-o", folder.file("b"), option, value}).out.find("1 unit = 131.6 A") !=

@@ -313,6 +313,10 @@ TEST_CASE("elements that are not known: counted and named in one warning, the ot
   CHECK_MESSAGE(other.messages.starts_with("m:13:6: warning[W0580]: 2 atoms, of which this is the first, are left out, "
                                            "because no such element is known: 'X' 1, not given 1"),
                 other.messages);
+  const Reading nameless = read(good + atom("     THR A   1 ", {}, ""));
+  CHECK_MESSAGE(nameless.messages.starts_with("m:2:31: warning[W0580]: 1 atom is left out, because no such element is "
+                                              "known: not given 1"),
+                nameless.messages);
   check_refused(x + qq, "m:1:1: error[E0562]: no atom has an element that is known ('QQ' 1, 'X' 1)");
 }
 

@@ -496,11 +496,13 @@ TEST_CASE("cellPACK: without beads an ingredient is a ball: of the recipe's radi
   CHECK(radius_of(R"(,"positions": null, "radius": 0)") == 5);
   CHECK(radius_of("") == 5);
   CHECK(radius_of(R"(,"positions": [[[1,2,3]]])") == 5);
+  CHECK(radius_of(R"(,"positions": [[[1,2,3]]],"radius": 30)") == 30);
+  CHECK(radius_of(R"(,"positions": [[[1,2,3],[4,5,6]]],"radius": 30)") == 5);  // that of all of it
   check_packing_refused(placed_once(""),
-                        "c:1:7: error[E0568]: 'A' has neither beads nor a 'radius' or "
+                        "c:1:7: error[E0568]: 'A' has no radii of beads, and neither 'radius' nor "
                         "'encapsulatingRadius'; give it a radius by --radius");
-  check_packing_refused(placed_once(R"(,"positions": [[[1,2,3]]])"),
-                        "c:1:7: error[E0568]: 'A' has beads without radii");
+  check_packing_refused(placed_once(R"(,"positions": [[[1,2,3],[4,5,6]]])"),
+                        "c:1:7: error[E0568]: 'A' has beads without");
   check_packing_refused(placed_once(R"(,"radius": -1)"), "c:1:51: error[E0568]: a radius must be greater than zero");
 }
 
