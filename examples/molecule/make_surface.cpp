@@ -185,10 +185,8 @@ int main(int count, char** words) {
   }
   dmvv::Diagnostics diagnostics;
   const auto molecule = dmvv::authoring::parse_molecule(words[1], *bytes, {}, diagnostics);
-  if (!molecule) {
-    std::fputs(diagnostics.render().c_str(), stderr);
-    return 1;
-  }
+  std::fputs(diagnostics.render().c_str(), stderr);
+  if (!molecule) return 1;
   Surface surface(Field(molecule->atoms, dmvv::authoring::fit_molecule(molecule->atoms), 77));
   for (int pass = 0; pass < 3; ++pass) surface.relax();
   if (surface.write(words[2])) return 0;
