@@ -352,6 +352,10 @@ Result<voml::Grid> bake(const Field& field, const BakeOptions& options, BakeRepo
   if (!options.distance) {
     grid.values.resize(std::size_t{grid.size.x} * grid.size.y * grid.size.z);
     bake_values(field, options, grid, report, progress);
+    if (std::ranges::none_of(grid.values, [](float value) { return value <= 0.0f; })) {
+      return fail(Fault::input, "no sample of the grid lies inside the SDF, which is thinner than a voxel",
+                  {"a higher resolution finds more"});
+    }
   } else if (!bake_distances(field, options, grid, report, progress)) {
     return fail(Fault::input, "the SDF has no boundary among the samples: there is nothing to measure distances to",
                 {"a higher resolution may find one"});

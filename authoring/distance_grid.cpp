@@ -8,6 +8,7 @@
 #include <glm/vector_relational.hpp>
 #include <new>
 
+#include "authoring/boundary.h"
 #include "authoring/slices.h"
 #include "authoring/triangle_tree.h"
 
@@ -32,8 +33,9 @@ double longest_side(const voml::Bounds& box) {
 }
 
 Result<void> check(const voml::Mesh& mesh, const voml::Bounds& mesh_box, const GridOptions& options) {
-  if (options.resolution < 4 || options.resolution > 512) {
-    return fail(Fault::input, fmt::format("the resolution is {}; it must be 4 to 512", options.resolution));
+  if (options.resolution < 4 || options.resolution > max_grid_resolution) {
+    return fail(Fault::input,
+                fmt::format("the resolution is {}; it must be 4 to {}", options.resolution, max_grid_resolution));
   }
   if (!(options.padding >= 0.0 && options.padding <= 1.0)) {
     return fail(Fault::input, fmt::format("the padding is {}; it must be 0 to 1", options.padding));
@@ -98,19 +100,31 @@ voml::Grid empty_grid(const voml::Bounds& box, std::uint32_t resolution, double 
   return grid;
 }
 
+// ---- what is told ----
+
+std::string resolution_needed_text(std::uint32_t resolution) {
+  if (resolution == 0) {
+    return fmt::format("not even a resolution of {} would keep 99 % of the boundary: make thin parts thicker",
+                       finest_resolution_tried);
+  }
+  const bool too_fine = resolution > max_grid_resolution;
+  return fmt::format(
+      "a resolution of {} would keep 99 % of the boundary{}", resolution,
+      too_fine ? fmt::format("; a grid can have {}: make thin parts thicker, or split the mesh", max_grid_resolution)
+               : "");
+}
+
 namespace {
 
 // ---- sampling ----
 
+constexpr double accuracy_of_signs = 2.0;  // of winding numbers
+
 /// Fills a grid slice by slice. Slices do not depend on each other, so any number of threads gives the same values.
 class Sampler {
  public:
-  Sampler(const TriangleTree& tree, bool closed, voml::Grid& grid)
-      : tree_(tree),
-        closed_(closed),
-        orientation_(tree.signed_volume() < 0.0 ? -1.0 : 1.0),
-        step_(step_of(grid)),
-        grid_(grid) {}
+  Sampler(const TriangleTree& tree, const Solid& solid, bool closed, voml::Grid& grid)
+      : tree_(tree), solid_(solid), closed_(closed), step_(step_of(grid)), grid_(grid) {}
 
   void fill_slice(std::uint32_t z) {
     fill_distances(z);
@@ -152,7 +166,7 @@ class Sampler {
         } else if (y > 0 && same_side(here, value(x, y - 1, z), step_.y)) {
           inside = value(x, y - 1, z) < 0.0f;
         } else {
-          inside = orientation_ * tree_.winding_number(centre(x, y, z)) > 0.5;
+          inside = solid_.holds(centre(x, y, z), accuracy_of_signs);
         }
         if (inside) here = 0.0f - here;  // no -0 where the sample lies on the surface
       }
@@ -160,11 +174,41 @@ class Sampler {
   }
 
   const TriangleTree& tree_;
+  const Solid& solid_;
   bool closed_;
-  double orientation_;  ///< -1 for a mesh that is inside out
   glm::dvec3 step_;
   voml::Grid& grid_;
 };
+
+// ---- a mesh of which no sample is inside ----
+
+std::vector<std::string> why_no_inside(const voml::EdgeFaults& edges) {
+  std::vector<std::string> reasons = voml::describe(edges);
+  if (edges.opposed.count != 0)
+    reasons.emplace_back("turn all faces outwards; mesh editors call it recalculating normals");
+  if (edges.crowded.count != 0) {
+    reasons.emplace_back("faces that are there twice, back to back, enclose nothing: leave one of each pair");
+  }
+  if (edges.open.count != 0) reasons.emplace_back("the surface is open: close it, or give the sheet a thickness");
+  if (edges.count() == 0) reasons.emplace_back("its surface is closed, but encloses no volume");
+  return reasons;
+}
+
+/// Why the grid of this shape got no sample inside: the mesh has no inside, or is too thin.
+tl::unexpected<Error> nothing_inside(const Solid& solid, const voml::Grid& grid, const voml::Bounds& box,
+                                     const GridOptions& options, const voml::EdgeFaults& edges) {
+  constexpr std::size_t points = 20000;
+  const glm::dvec3 step = step_of(grid);
+  double bounding_nothing = 0.0;
+  const auto boundary = solid.boundary(points, 1e-4 * std::min({step.x, step.y, step.z}), bounding_nothing);
+  const bool wound_wrongly = edges.opposed.count != 0;
+  if (boundary.empty() || wound_wrongly) return fail(Fault::input, "the mesh has no inside", why_no_inside(edges));
+  const auto value = [&](const glm::dvec3& p) { return solid.signed_distance(p, accuracy_of_signs); };
+  const std::uint32_t enough = resolution_that_keeps_most(box, options.padding, options.resolution, value, boundary);
+  std::vector<std::string> reasons = voml::describe(edges);
+  reasons.push_back(resolution_needed_text(enough));
+  return fail(Fault::input, "no sample of the grid lies inside the mesh, which is thinner than a voxel", std::move(reasons));
+}
 
 }  // namespace
 
@@ -175,8 +219,8 @@ Result<voml::Grid> distance_grid(const voml::Mesh& mesh, const GridOptions& opti
     return tl::unexpected(checked.error());
   }
   const Placement cube_from_mesh = place(mesh_box, options);
-  voml::Grid grid =
-      empty_grid({cube_from_mesh(mesh_box.lo), cube_from_mesh(mesh_box.hi)}, options.resolution, options.padding);
+  const voml::Bounds box{cube_from_mesh(mesh_box.lo), cube_from_mesh(mesh_box.hi)};
+  voml::Grid grid = empty_grid(box, options.resolution, options.padding);
 
   std::vector<Corners> triangles;
   triangles.reserve(mesh.triangles.size());
@@ -186,13 +230,19 @@ Result<voml::Grid> distance_grid(const voml::Mesh& mesh, const GridOptions& opti
   }
   const TriangleTree tree(triangles);
   triangles = {};
-  report = {voml::count_open_edges(mesh), cube_from_mesh.scale, cube_from_mesh.offset};
+  report = {voml::find_edge_faults(mesh), options.padding, cube_from_mesh.scale, cube_from_mesh.offset};
 
+  if (4 * report.edges.opposed.count > report.edges.edges) {
+    return fail(Fault::input, "the mesh has no inside that its faces agree on", why_no_inside(report.edges));
+  }
   grid.values.resize(std::size_t{grid.size.x} * grid.size.y * grid.size.z);
-  Sampler sampler(tree, report.open_edges == 0, grid);
+  const Solid solid(tree);
+  Sampler sampler(tree, solid, report.edges.count() == 0, grid);
   for_each_slice(
       grid.size.z, options.threads, [&](std::uint32_t z) { sampler.fill_slice(z); }, progress, 0, grid.size.z);
-  return grid;
+  if (std::ranges::any_of(grid.values, [](float value) { return value < 0.0f; })) return grid;
+  grid.values.clear();
+  return nothing_inside(solid, grid, box, options, report.edges);
 } catch (const std::bad_alloc&) {
   return fail(Fault::environment,
               fmt::format("there is not enough memory for a distance grid of resolution {}", options.resolution),

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 
 #include "voml/grid.h"
 #include "voml/mesh.h"
@@ -21,10 +22,16 @@ struct GridOptions {
 using Progress = std::function<void(std::size_t done, std::size_t total)>;
 
 struct GridReport {
-  std::size_t open_edges = 0;
+  voml::EdgeFaults edges;             ///< of the mesh; nothing if it is closed
+  double padding = 0.0;               ///< GridOptions::padding
   double cube_from_mesh_scale = 1.0;  ///< cube = scale * mesh + offset
   glm::dvec3 cube_from_mesh_offset{0.0};
 };
+
+/// "a resolution of 212 would keep 99 % of the boundary"; for GridCheck::resolution_needed.
+std::string resolution_needed_text(std::uint32_t resolution);
+
+inline constexpr std::uint32_t max_grid_resolution = 512;
 
 /// Distances in units of the standard cube, negative inside, at the cell centres of a box that holds the mesh and its
 /// padding (clipped to the cube).
@@ -35,7 +42,9 @@ struct GridReport {
 /// A self-intersecting mesh is solid wherever it winds around; distances are to the nearest triangle all the same, be it
 /// one inside the solid.
 /// Errors (input): options out of range; a mesh without extent or too small for its coordinates' precision; a mesh that
-/// leaves the cube when `fit` is off. Errors (environment): not enough memory.
+/// leaves the cube when `fit` is off; a mesh without inside, because of its edges' faults (counted, each kind with its
+/// first edge; a quarter of all edges between triangles wound against each other is enough) or because it is thinner than
+/// a voxel (with a resolution that would do). Errors (environment): not enough memory.
 /// Cost: O(samples * log triangles); 4 bytes a sample and some 300 bytes a triangle.
 Result<voml::Grid> distance_grid(const voml::Mesh& mesh, const GridOptions& options, GridReport& report,
                                  const Progress& progress = {});

@@ -5,8 +5,11 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <span>
 #include <utility>
 
+#include "authoring/boundary.h"
+#include "authoring/chance.h"
 #include "authoring/slices.h"
 #include "authoring/triangle_tree.h"
 #include "compiler/reference.h"
@@ -14,35 +17,6 @@
 namespace dmvv::authoring {
 
 namespace {
-
-/// SplitMix64 (Steele, Lea, Flood 2014): chance that is the same everywhere.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  double unit() { return static_cast<double>(next() >> 11) * 0x1p-53; }
-  glm::uvec3 below(const glm::uvec3& size) {
-    const std::uint64_t x = next() % size.x, y = next() % size.y, z = next() % size.z;
-    return {x, y, z};
-  }
-  glm::dvec3 in_box(const glm::dvec3& lo, const glm::dvec3& hi) {
-    const double x = unit(), y = unit(), z = unit();
-    return lo + glm::dvec3(x, y, z) * (hi - lo);
-  }
-  glm::dvec3 direction() {
-    const double z = 2.0 * unit() - 1.0, turn = 2.0 * std::numbers::pi * unit();
-    const double r = std::sqrt(std::max(0.0, 1.0 - z * z));
-    return {r * std::cos(turn), r * std::sin(turn), z};
-  }
-
- private:
-  std::uint64_t next() {
-    std::uint64_t z = state_ += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return z ^ z >> 31;
-  }
-  std::uint64_t state_;
-};
 
 class Tally {
  public:
@@ -73,18 +47,6 @@ struct Exact {
 };
 
 double longest(const glm::dvec3& v) { return std::max({v.x, v.y, v.z}); }
-
-/// The results for each of n numbers, computed on all cores.
-template <class T>
-std::vector<T> for_all(std::size_t n, const std::function<T(std::size_t)>& f) {
-  constexpr std::size_t run = 64;
-  std::vector<T> results(n);
-  const auto some = [&](std::uint32_t part) {
-    for (std::size_t i = part * run; i < std::min(n, (part + 1) * run); ++i) results[i] = f(i);
-  };
-  for_each_slice(static_cast<std::uint32_t>((n + run - 1) / run), 0, some, {}, 0, 0);
-  return results;
-}
 
 /// A place with the grid's value there.
 struct Probe {
@@ -121,50 +83,32 @@ void check_volume(const voml::Grid& grid, const Exact& exact, std::size_t points
   check.side_points = probes.size();
 }
 
-// ---- meshes ----
-
-/// Points spread evenly over the area of all triangles.
-struct OnTriangle {
-  glm::dvec3 p, normal;
-};
-std::vector<OnTriangle> spread(const TriangleTree& tree, std::size_t points) {
-  std::vector<double> area_up_to;
-  area_up_to.reserve(tree.triangle_count());
-  double area = 0.0;
-  for (TriangleTree::Index i = 0; i < tree.triangle_count(); ++i) {
-    area_up_to.push_back(area += tree.triangle(i).area());
-  }
-  std::vector<OnTriangle> result;
-  if (!(area > 0.0)) return result;
-  Random random(2);
-  for (std::size_t i = 0; i < points; ++i) {
-    const auto found = std::ranges::upper_bound(area_up_to, area * random.unit());
-    const auto index = static_cast<TriangleTree::Index>(
-        std::min<std::ptrdiff_t>(found - area_up_to.begin(), static_cast<std::ptrdiff_t>(area_up_to.size()) - 1));
-    const Triangle& triangle = tree.triangle(index);
-    const Corners c = triangle.corners();
-    const double root = std::sqrt(random.unit()), v = random.unit();
-    const glm::dvec3 normal = triangle.area_vector();
-    result.push_back({(1.0 - root) * c[0] + root * (1.0 - v) * c[1] + root * v * c[2], normal / glm::length(normal)});
-  }
-  return result;
+/// How much of the boundary the grid has lost, and which resolution would keep most of it.
+void check_kept(const voml::Grid& grid, const voml::Bounds& box, double padding, const SignedValue& value,
+                std::span<const BoundaryPoint> points, GridCheck& check) {
+  check.boundary_lost = share_lost(grid, value, points);
+  if (check.boundary_lost <= 0.01) return;
+  const std::uint32_t resolution = std::max({grid.size.x, grid.size.y, grid.size.z});
+  check.resolution_needed = resolution_that_keeps_most(box, padding, resolution, value, points);
 }
 
 }  // namespace
 
+// ---- meshes ----
+
 GridCheck check_grid(const voml::Grid& grid, const voml::Mesh& mesh, const GridReport& report, std::size_t points) {
+  const auto placed = [&](const glm::dvec3& p) {
+    return report.cube_from_mesh_scale * p + report.cube_from_mesh_offset;
+  };
   std::vector<Corners> triangles;
   triangles.reserve(mesh.triangles.size());
-  const auto placed = [&](std::uint32_t vertex) {
-    return report.cube_from_mesh_scale * mesh.positions[vertex] + report.cube_from_mesh_offset;
-  };
-  for (const glm::uvec3& t : mesh.triangles) triangles.push_back({placed(t.x), placed(t.y), placed(t.z)});
+  for (const glm::uvec3& t : mesh.triangles) {
+    triangles.push_back({placed(mesh.positions[t.x]), placed(mesh.positions[t.y]), placed(mesh.positions[t.z])});
+  }
   const TriangleTree tree(triangles);
   triangles = {};
-  const double orientation = tree.signed_volume() < 0.0 ? -1.0 : 1.0;
-  constexpr double accuracy = 4.0;
-  const auto solid = [&](const glm::dvec3& p) { return orientation * tree.winding_number(p, accuracy) > 0.5; };
-  const Exact exact{.value = [&](const glm::dvec3& p) { return solid(p) ? -tree.distance(p) : tree.distance(p); },
+  const Solid solid(tree);
+  const Exact exact{.value = [&](const glm::dvec3& p) { return solid.signed_distance(p, 4.0); },
                     .slope = [](const glm::dvec3&) { return 1.0; },
                     .grid_has_value = true};
 
@@ -173,22 +117,12 @@ GridCheck check_grid(const voml::Grid& grid, const voml::Mesh& mesh, const GridR
   check_volume(grid, exact, points, check);
 
   Tally surface;
-  std::size_t bounding_nothing = 0;
-  const double beside = 1e-4 * check.voxel;
-  const std::vector<OnTriangle> drawn = spread(tree, points);
-  const auto bounds = for_all<char>(drawn.size(), [&](std::size_t i) {
-    const auto& [p, normal] = drawn[i];
-    return solid(p + beside * normal) != solid(p - beside * normal);
-  });
-  for (std::size_t i = 0; i < drawn.size(); ++i) {
-    if (bounds[i]) {
-      surface.add(std::abs(compiler::sample(grid, drawn[i].p)), drawn[i].p);
-    } else {
-      ++bounding_nothing;
-    }
-  }
+  const auto boundary = solid.boundary(points, 1e-4 * check.voxel, check.bounding_nothing);
+  for (const BoundaryPoint& point : boundary) surface.add(std::abs(compiler::sample(grid, point.p)), point.p);
   check.surface = surface.result();
-  if (!drawn.empty()) check.bounding_nothing = static_cast<double>(bounding_nothing) / static_cast<double>(drawn.size());
+  const voml::Bounds box = voml::bounds(mesh);
+  const auto as_sampled = [&](const glm::dvec3& p) { return solid.signed_distance(p, 2.0); };
+  check_kept(grid, {placed(box.lo), placed(box.hi)}, report.padding, as_sampled, boundary, check);
   return check;
 }
 
@@ -208,17 +142,66 @@ std::pair<double, double> clip(const glm::dvec3& p, const glm::dvec3& d, const g
   return {from, to};
 }
 
-/// Lines of equal chance for all lines that meet the box's ball meet every piece of a surface in it as often as its area
-/// is large (Crofton). Calls visit(p) at each root.
-template <class Visit>
-void roots_on_lines(const Field& field, const voml::Grid& grid, std::size_t lines, std::size_t most, Visit visit) {
+/// The field along a line of points, and where it changes sides.
+class Line {
+ public:
+  Line(const Field& field, const glm::dvec3& p, const glm::dvec3& d) : field_(field), p_(p), d_(d) {}
+
+  /// Calls visit(t, whether it leads inside) at each root between the two parameters. Steps that may hide two, by the
+  /// greatest change over any step, are halved up to `halvings` times.
+  template <class Visit>
+  void roots(double from, double to, double step, Visit visit) {
+    std::vector<double> at, values;
+    for (double t = from;; t = std::min(t + step, to)) {
+      at.push_back(t);
+      values.push_back(value(t));
+      if (!(t < to)) break;
+    }
+    double slope = 0.0;
+    for (std::size_t i = 1; i < at.size(); ++i) {
+      slope = std::max(slope, std::abs(values[i] - values[i - 1]) / (at[i] - at[i - 1]));
+    }
+    for (std::size_t i = 1; i < at.size(); ++i) {
+      search(at[i - 1], values[i - 1], at[i], values[i], slope, halvings, visit);
+    }
+  }
+
+ private:
+  static constexpr int halvings = 6;
+
+  double value(double t) const { return field_(p_ + t * d_); }
+
+  template <class Visit>
+  void search(double a, double at_a, double b, double at_b, double slope, int depth, Visit visit) {
+    const bool inside = at_a <= 0.0;
+    if ((at_b <= 0.0) != inside) {
+      for (int halving = 0; halving < 50; ++halving) {
+        const double m = 0.5 * (a + b);
+        ((value(m) <= 0.0) == inside ? a : b) = m;
+      }
+      return visit(a, !inside);
+    }
+    if (depth == 0 || !(std::abs(at_a) + std::abs(at_b) < slope * (b - a))) return;
+    const double m = 0.5 * (a + b), at_m = value(m);
+    search(a, at_a, m, at_m, slope, depth - 1, visit);
+    search(m, at_m, b, at_b, slope, depth - 1, visit);
+  }
+
+  const Field& field_;
+  glm::dvec3 p_, d_;
+};
+
+/// Points of a field's boundary: roots on lines of equal chance for all lines that meet the box's ball, which meet
+/// every piece of a surface in it as often as its area is large (Crofton). At most one for each of `points` lines, or
+/// so.
+std::vector<BoundaryPoint> boundary_on_lines(const Field& field, const voml::Grid& grid, std::size_t points) {
   Random random(3);
   const glm::dvec3 middle = 0.5 * (grid.box_lo + grid.box_hi);
   const double radius = 0.5 * glm::distance(grid.box_lo, grid.box_hi);
   const glm::dvec3 steps = step_of(grid);
-  const double step = 0.5 * std::min({steps.x, steps.y, steps.z});
-  std::size_t found = 0;
-  for (std::size_t i = 0; i < lines && found < most; ++i) {
+  const double voxel = std::min({steps.x, steps.y, steps.z});
+  std::vector<BoundaryPoint> found;
+  for (std::size_t i = 0; i < points && found.size() < points; ++i) {
     // A direction, and a point evenly on the disc across it.
     const glm::dvec3 d = random.direction();
     const glm::dvec3 x = glm::normalize(glm::cross(d, std::abs(d.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
@@ -226,29 +209,29 @@ void roots_on_lines(const Field& field, const voml::Grid& grid, std::size_t line
     const glm::dvec3 p = middle + r * (std::cos(turn) * x + std::sin(turn) * glm::cross(d, x));
     const auto [from, to] = clip(p, d, grid.box_lo, grid.box_hi);
     if (!(from < to)) continue;
-    double last = from;
-    bool inside = field(p + from * d) <= 0.0;
-    for (double t = from; t < to;) {
-      t = std::min(t + step, to);
-      const bool next = field(p + t * d) <= 0.0;
-      if (next != inside) {
-        double a = last, b = t;
-        for (int halving = 0; halving < 50; ++halving) {
-          const double m = 0.5 * (a + b);
-          ((field(p + m * d) <= 0.0) == inside ? a : b) = m;
-        }
-        visit(p + a * d);
-        ++found;
-      }
-      inside = next;
-      last = t;
-    }
+    Line(field, p, d).roots(from, to, 0.5 * voxel, [&](double t, bool leads_inside) {
+      found.push_back({p + t * d, leads_inside ? -d : d});
+    });
   }
+  // Outwards goes the gradient; where there is none, the line.
+  for (BoundaryPoint& point : found) {
+    const double h = 1e-3 * voxel;
+    glm::dvec3 gradient;
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::dvec3 step(0.0);
+      step[axis] = h;
+      gradient[axis] = field(point.p + step) - field(point.p - step);
+    }
+    const double length = glm::length(gradient);
+    if (length > 0.0 && std::isfinite(length)) point.outward = gradient / length;
+  }
+  return found;
 }
 
 }  // namespace
 
-GridCheck check_grid(const voml::Grid& grid, const Field& field, bool distance, std::size_t points) {
+GridCheck check_grid(const voml::Grid& grid, const Field& field, const BakeOptions& options, std::size_t points) {
+  const bool distance = options.distance;
   GridCheck check;
   const glm::dvec3 steps = step_of(grid);
   check.voxel = longest(steps);
@@ -266,11 +249,16 @@ GridCheck check_grid(const voml::Grid& grid, const Field& field, bool distance, 
                points, check);
 
   Tally surface;
-  roots_on_lines(field, grid, points, points, [&](const glm::dvec3& p) {
-    const double value = std::abs(compiler::sample(grid, p));
-    surface.add(distance ? value : value / slope(p), p);
-  });
+  const auto boundary = boundary_on_lines(field, grid, points);
+  for (const BoundaryPoint& point : boundary) {
+    const double value = std::abs(compiler::sample(grid, point.p));
+    surface.add(distance ? value : value / slope(point.p), point.p);
+  }
   check.surface = surface.result();
+  const auto box = field.inside();
+  if (box)
+    check_kept(
+        grid, *box, options.padding, [&](const glm::dvec3& p) { return field(p); }, boundary, check);
   return check;
 }
 

@@ -1,6 +1,7 @@
 // Private to authoring: work on a grid's slices, on any number of threads.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <exception>
@@ -47,6 +48,18 @@ inline void for_each_slice(std::uint32_t slices, unsigned threads, const std::fu
   }
   if (failure) std::rethrow_exception(failure);
   if (progress) progress(before + slices, total);
+}
+
+/// The results for each of n numbers, computed on all cores; a call must not depend on another's.
+template <class T>
+std::vector<T> for_all(std::size_t n, const std::function<T(std::size_t)>& f) {
+  constexpr std::size_t run = 64;
+  std::vector<T> results(n);
+  const auto some = [&](std::uint32_t part) {
+    for (std::size_t i = part * run; i < std::min(n, (part + 1) * run); ++i) results[i] = f(i);
+  };
+  for_each_slice(static_cast<std::uint32_t>((n + run - 1) / run), 0, some, {}, 0, 0);
+  return results;
 }
 
 inline glm::dvec3 step_of(const voml::Grid& grid) { return (grid.box_hi - grid.box_lo) / glm::dvec3(grid.size); }

@@ -20,6 +20,9 @@ constexpr int bisections = 9, more_bisections = 4;
 constexpr std::size_t batch_points = std::size_t{1} << 18;
 constexpr double drawn_in_cells = 0.06;  // at a time
 
+/// As a file of float32 holds it: what is asked for is what will be drawn.
+dvec3 stored(const dvec3& p) { return dvec3(glm::vec3(p)); }
+
 enum Side : char { outside = 0, inside_it = 1, unknown = 2 };
 
 /// Nodes of the grid, with a layer round the cube that is outside.
@@ -38,7 +41,7 @@ class Nodes {
                static_cast<std::size_t>(edge_) +
            static_cast<std::size_t>(node.x);
   }
-  dvec3 position(const ivec3& node) const { return dvec3(node - 1) * (2.0 / resolution_) - 1.0; }
+  dvec3 position(const ivec3& node) const { return stored(dvec3(node - 1) * (2.0 / resolution_) - 1.0); }
   char side(const ivec3& node) const { return sides_[index(node)]; }
 
   void want(const ivec3& node) {
@@ -199,7 +202,7 @@ class Crossings {
       const auto batch = asked.subspan(begin, std::min(batch_points, asked.size() - begin));
       for (int round = 0; round < rounds; ++round) {
         points.clear();
-        for (const std::size_t i : batch) points.push_back(0.5 * (ends_[i].in + ends_[i].out));
+        for (const std::size_t i : batch) points.push_back(stored(0.5 * (ends_[i].in + ends_[i].out)));
         const auto answers = inside(points);
         if (!answers) return tl::unexpected<Error>(answers.error());
         for (std::size_t k = 0; k < batch.size(); ++k) {
@@ -294,7 +297,8 @@ Result<void> draw_in(voml::Mesh& mesh, double step, const InsideTest& inside) {
     }
     for (const std::uint32_t corner : *corners) {
       const double length = glm::length(normals[corner]);
-      moved.push_back(mesh.positions[corner] - (length > 0.0 ? normals[corner] * (step / length) : dvec3(0.0)));
+      const dvec3 inward = length > 0.0 ? normals[corner] * (-step / length) : dvec3(0.0);
+      moved.push_back(stored(mesh.positions[corner] + inward));
     }
     const auto sides = ask(inside, moved);
     if (!sides) return tl::unexpected<Error>(sides.error());
@@ -303,6 +307,82 @@ Result<void> draw_in(voml::Mesh& mesh, double step, const InsideTest& inside) {
     }
   }
   return {};
+}
+
+// ---- triangles without area ----
+
+bool is_flat(const voml::Mesh& mesh, const glm::uvec3& t) {
+  const dvec3 a = mesh.positions[t.x];
+  return glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a) == dvec3(0.0);
+}
+
+/// Makes vertices at the same place one, and leaves out the triangles that have one twice. Every edge that was passed
+/// as often in one direction as in the other still is.
+void weld_vertices(voml::Mesh& mesh) {
+  const std::vector<std::uint32_t> first = voml::first_of_equal(mesh.positions);
+  for (glm::uvec3& t : mesh.triangles) t = {first[t.x], first[t.y], first[t.z]};
+  std::erase_if(mesh.triangles, [](const glm::uvec3& t) { return t.x == t.y || t.y == t.z || t.z == t.x; });
+}
+
+/// The triangle's corners from the beginning of its longest edge on.
+glm::uvec3 from_longest_edge(const voml::Mesh& mesh, const glm::uvec3& t) {
+  const auto length = [&](std::uint32_t a, std::uint32_t b) {
+    return glm::distance(mesh.positions[a], mesh.positions[b]);
+  };
+  const double xy = length(t.x, t.y), yz = length(t.y, t.z), zx = length(t.z, t.x);
+  return xy >= yz && xy >= zx ? t : yz >= zx ? glm::uvec3(t.y, t.z, t.x) : glm::uvec3(t.z, t.x, t.y);
+}
+
+/// Of a triangle whose corners lie on a line the longest edge, and with it the triangle beside, is exchanged for the
+/// other diagonal of the two. Again, where that made another one of the kind: its longest edge is shorter.
+void flip_flat_triangles(voml::Mesh& mesh) {
+  constexpr int most_rounds = 32;
+  constexpr std::uint32_t gone = 0xffffffffu;
+  const auto edge = [](std::uint32_t from, std::uint32_t to) { return std::uint64_t{from} << 32 | to; };
+  for (int round = 0; round < most_rounds; ++round) {
+    std::vector<std::uint32_t> flat;
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+      if (is_flat(mesh, mesh.triangles[i])) flat.push_back(i);
+    }
+    if (flat.empty()) return;
+    std::unordered_map<std::uint64_t, std::uint32_t> triangle_of;
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+      for (int k = 0; k < 3; ++k) triangle_of[edge(mesh.triangles[i][k], mesh.triangles[i][(k + 1) % 3])] = i;
+    }
+    std::vector<bool> changed(mesh.triangles.size(), false);
+    for (const std::uint32_t i : flat) {
+      const glm::uvec3 t = from_longest_edge(mesh, mesh.triangles[i]);
+      const auto beside = triangle_of.find(edge(t.y, t.x));
+      if (beside == triangle_of.end() || changed[i] || changed[beside->second] || beside->second == i) continue;
+      glm::uvec3& other = mesh.triangles[beside->second];
+      const std::uint32_t apex = other.x ^ other.y ^ other.z ^ t.x ^ t.y;  // the corner that is not t.x or t.y
+      changed[i] = changed[beside->second] = true;
+      mesh.triangles[i] = apex == t.z ? glm::uvec3(gone) : glm::uvec3(t.z, t.x, apex);
+      other = apex == t.z ? glm::uvec3(gone) : glm::uvec3(apex, t.y, t.z);
+    }
+    std::erase_if(mesh.triangles, [](const glm::uvec3& t) { return t.x == gone; });
+  }
+}
+
+void remove_unused_vertices(voml::Mesh& mesh) {
+  constexpr std::uint32_t unused = 0xffffffffu;
+  std::vector<std::uint32_t> number(mesh.positions.size(), unused);
+  for (const glm::uvec3& t : mesh.triangles) number[t.x] = number[t.y] = number[t.z] = 0;
+  std::uint32_t count = 0;
+  for (std::uint32_t i = 0; i < mesh.positions.size(); ++i) {
+    if (number[i] == unused) continue;
+    mesh.positions[count] = mesh.positions[i];
+    number[i] = count++;
+  }
+  mesh.positions.resize(count);
+  for (glm::uvec3& t : mesh.triangles) t = {number[t.x], number[t.y], number[t.z]};
+}
+
+/// Crossings that stand at the same node make triangles without area.
+void remove_flat_triangles(voml::Mesh& mesh) {
+  weld_vertices(mesh);
+  flip_flat_triangles(mesh);
+  remove_unused_vertices(mesh);
 }
 
 }  // namespace
@@ -323,9 +403,11 @@ Result<voml::Mesh> surface_mesh(const InsideTest& inside, const SurfaceOptions& 
   // Step 3: their corners, moved to the boundary.
   if (const auto moved = crossings.bisect(inside); !moved) return tl::unexpected<Error>(moved.error());
   voml::Mesh mesh = std::move(crossings).mesh();
+  remove_flat_triangles(mesh);
   // Step 4: what still passes outside is drawn in.
   const double cell = 2.0 / options.resolution;
   if (const auto drawn = draw_in(mesh, drawn_in_cells * cell, inside); !drawn) return tl::unexpected<Error>(drawn.error());
+  remove_flat_triangles(mesh);
   return mesh;
 }
 

@@ -23,7 +23,9 @@ struct SurfaceOptions {
 
 /// A closed mesh round what is inside, within the standard cube, whose vertices lie inside, at most 1/512 of a cell
 /// from the boundary, or up to 0.2 cells where it is hollow, so that triangles do not pass outside there; without
-/// triangles if nothing is found.
+/// triangles if nothing is found. Coordinates are numbers of float32, no two vertices stand at the same place, and
+/// every triangle has an area. Every edge is passed as often in one direction as in the other: once, but where parts of
+/// the surface touch.
 ///
 /// Cells four times as large are looked at first; what they miss, and no surface that they find leads to, is not there:
 /// things thinner than 4 cells that stand alone. Where the boundary bends sharply the mesh may still pass outside, by less

@@ -208,7 +208,7 @@ void draw_frames(runtime::Evaluator& evaluator, runtime::View view, const Plan& 
   if (!frames.empty()) first = draw(frames.front());
   must(folder.begin(options.restart));
   if (!first) return;
-  warn_of_open_edges(first->open_edges, options.view, context);
+  warn_of_edges(first->edges, options.view, context);
 
   const std::size_t total = plan.range.last - plan.range.first + 1;
   ProgressBar progress("frames", total, total - frames.size(), context.quiet);

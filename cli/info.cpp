@@ -246,9 +246,12 @@ int info_mesh(const std::string& path, Context& context) {
   const voml::Mesh mesh = read_mesh(path, context, diagnostics);
   print_diagnostics(diagnostics, context);
   const voml::Bounds box = voml::bounds(mesh);
-  print_result(fmt::format("{}: mesh, {}, {}\n  box          {} to {}\n  open edges   {}\n", path,
-                           fmt::format("{} vertices", mesh.positions.size()), plural(mesh.triangles.size(), "triangle"),
-                           text(box.lo), text(box.hi), voml::count_open_edges(mesh)));
+  const voml::EdgeFaults edges = voml::find_edge_faults(mesh);
+  std::string words = fmt::format("{}: mesh, {} vertices, {}\n  box          {} to {}\n  open edges   {}\n", path,
+                                  mesh.positions.size(), plural(mesh.triangles.size(), "triangle"), text(box.lo),
+                                  text(box.hi), edges.open.count);
+  for (const std::string& fault : voml::describe(edges)) words += fmt::format("  not closed   {}\n", fault);
+  print_result(words);
   return exit_done;
 }
 
@@ -277,9 +280,10 @@ bool has_ending(const std::string& path, std::string_view ending) {
                     [](char a, char b) { return a == std::tolower(static_cast<unsigned char>(b)); });
 }
 
+/// In any encoding: byte order marks and the zeros of UTF-16 and UTF-32 are passed over.
 bool starts_like_xml(std::string_view bytes) {
   if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
-  const std::size_t first = bytes.find_first_not_of(" \t\r\n");
+  const std::size_t first = bytes.find_first_not_of(std::string_view(" \t\r\n\0\xff\xfe", 7));
   return first != std::string_view::npos && bytes[first] == '<';
 }
 

@@ -171,7 +171,7 @@ int exit_code_of(const std::vector<std::string>& messages) {
 voml::Mesh read_mesh(const std::string& path, Context& context, Diagnostics& diagnostics, const ReadFile& files) {
   auto mesh = voml::parse_mesh(path, read_bytes(path, files), diagnostics);
   context.stopwatch.lap("read");
-  if (!mesh) stop_with(diagnostics, context);
+  if (!mesh || diagnostics.has_errors()) stop_with(diagnostics, context);  // with --strict, warnings are errors
   return std::move(*mesh);
 }
 

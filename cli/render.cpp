@@ -129,7 +129,7 @@ int render(const RenderOptions& options, Context& context) {
   const runtime::Picture picture = must(evaluator.render(view, &timings));
   context.stopwatch.lap(timings, "other");
 
-  warn_of_open_edges(picture.open_edges, options.view, context);
+  warn_of_edges(picture.edges, options.view, context);
   warn_of_nothing(picture, view, context);
   if (const int exit_code = exit_code_of(device.validation_messages()); exit_code != exit_done) return exit_code;
   write(outputs, options, aovs, picture, program.regions);

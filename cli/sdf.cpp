@@ -56,6 +56,13 @@ std::string length(double cube_units, double voxel) {
   return fmt::format("{:.3g} ({:.3g} voxel)", cube_units, cube_units / voxel);
 }
 
+/// "0 %", "0.01 %", "3.2 %", "100 %": of a share that was counted.
+std::string percent(double share) {
+  const double hundredths = 100.0 * share;
+  return hundredths == 0.0 || hundredths >= 99.95 ? fmt::format("{:.0f} %", hundredths)
+                                                  : fmt::format("{:.{}f} %", hundredths, hundredths < 1.0 ? 2 : 1);
+}
+
 /// Of lengths; or, with `voxel` 0, of values that are none.
 std::string errors_line(std::string_view name, const authoring::Errors& errors, double voxel) {
   if (errors.points == 0) return fmt::format("  {:<16} no point found\n", name);
@@ -76,9 +83,15 @@ std::string check_text(const authoring::GridCheck& check, bool values_are_length
                         place(check.wrong_side.where));
   }
   text += '\n';
+  text += fmt::format("  {:<16} {} of the surface", "boundary lost", percent(check.boundary_lost));
+  if (check.resolution_needed) {
+    text += fmt::format(", where it is thinner than a voxel; {}",
+                        authoring::resolution_needed_text(*check.resolution_needed));
+  }
+  text += '\n';
   if (check.bounding_nothing > 0.0) {
-    text += fmt::format("  {:.2g} % of the mesh's area bounds nothing: both its sides are solid, or neither\n",
-                        100.0 * check.bounding_nothing);
+    text += fmt::format("  {} of the mesh's area bounds nothing: both its sides are solid, or neither\n",
+                        percent(check.bounding_nothing));
   }
   return text;
 }
@@ -87,6 +100,16 @@ std::string grid_text(const SdfOptions& options, const voml::Grid& grid, const C
   const auto [least, greatest] = std::ranges::minmax(grid.values);
   return fmt::format("{}: {} x {} x {} samples, values {:.4g} to {:.4g}, {:.2f} s\n", options.grid, grid.size.x,
                      grid.size.y, grid.size.z, least, greatest, context.stopwatch.seconds());
+}
+
+/// A mesh that is not closed has an inside all the same: how much tells whether it is the one that was meant.
+void warn_of_edges(const std::string& path, const voml::EdgeFaults& edges, const voml::Grid& grid) {
+  for (const std::string& line : voml::describe(edges)) print_warning(fmt::format("'{}': {}", path, line));
+  if (edges.count() == edges.crowded.count) return;  // winding numbers are whole, whatever touches
+  const auto inside = static_cast<double>(std::ranges::count_if(grid.values, [](float value) { return value < 0.0f; }));
+  print_warning(fmt::format(
+      "'{}' is not closed: near such edges the sign is the winding number's guess; {} of the samples are inside", path,
+      percent(inside / static_cast<double>(grid.values.size()))));
 }
 
 // ---- the two sources ----
@@ -116,10 +139,7 @@ int sdf_of_mesh(const SdfOptions& options, Context& context) {
   authoring::GridReport report;
   voml::Grid grid = must(authoring::distance_grid(mesh, grid_options, report, progress_bar(context)));
   context.stopwatch.lap("distances");
-  if (report.open_edges != 0 && !context.quiet) {
-    print_warning(fmt::format("'{}' is not closed: {}; the sign near them is the winding number's guess", options.mesh,
-                              plural(report.open_edges, "open edge")));
-  }
+  if (!context.quiet) warn_of_edges(options.mesh, report.edges, grid);
 
   write_grid(options, grid, outputs);
   if (!options.fitted_mesh.empty()) outputs.write_bytes(options.fitted_mesh, write_ply(fitted(mesh, report)));
@@ -147,12 +167,11 @@ int sdf_of_scene(const SdfOptions& options, Context& context) {
   const authoring::Field field(module, sdf, options.time_ms, 4.0 / resolution);
 
   authoring::BakeReport report;
-  voml::Grid grid = must(authoring::bake(field,
-                                         {.resolution = resolution,
-                                          .padding = options.grid_options.padding,
-                                          .distance = options.distance,
-                                          .threads = options.grid_options.threads},
-                                         report, progress_bar(context)));
+  const authoring::BakeOptions bake_options{.resolution = resolution,
+                                            .padding = options.grid_options.padding,
+                                            .distance = options.distance,
+                                            .threads = options.grid_options.threads};
+  voml::Grid grid = must(authoring::bake(field, bake_options, report, progress_bar(context)));
   context.stopwatch.lap(options.distance ? "distances" : "values");
   if (report.not_finite != 0 && !context.quiet) {
     print_warning(fmt::format("'{}' is no finite number at {}; 4 or -4 stands for it", options.sdf,
@@ -163,7 +182,7 @@ int sdf_of_scene(const SdfOptions& options, Context& context) {
   context.stopwatch.lap("write");
   if (!context.quiet) print_result(grid_text(options, grid, context));
   if (options.check) {
-    print_result(check_text(authoring::check_grid(grid, field, options.distance), false,
+    print_result(check_text(authoring::check_grid(grid, field, bake_options), false,
                             fmt::format("'{}' of {}", options.sdf, options.scene.path)));
     context.stopwatch.lap("check");
   }
@@ -204,6 +223,8 @@ and the root mean square, in units of the cube (edge 2) and in voxels:
   at samples       |value - exact value| at samples
   between samples  |grid - exact value| at points anywhere between samples
   wrong side       points at which the grid and the exact value have different signs, and how far they are from the surface
+  boundary lost    share of the exact surface near which (within a voxel) the grid has none, because no sample lies in what is
+                   thin; beyond 1 % with a resolution that would keep 99 %
 More in spec/lxn.md, "How good a grid is".)";
 
 }  // namespace

@@ -76,10 +76,11 @@ std::optional<voml::Mesh> place_camera(runtime::View& view, const ViewOptions& o
   return mesh;
 }
 
-void warn_of_open_edges(std::size_t open_edges, const ViewOptions& options, const Context& context) {
-  if (open_edges == 0 || context.quiet) return;
-  print_warning(
-      fmt::format("'{}' has {}: the caps of its cuts may leak", options.mesh, plural(open_edges, "open edge")));
+void warn_of_edges(const voml::EdgeFaults& edges, const ViewOptions& options, const Context& context) {
+  if (context.quiet) return;
+  for (const std::string& fault : voml::describe(edges)) {
+    print_warning(fmt::format("'{}': {}; the caps of its cuts may leak", options.mesh, fault));
+  }
 }
 
 }  // namespace dmvv::cli

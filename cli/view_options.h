@@ -33,6 +33,6 @@ std::optional<voml::Mesh> place_camera(runtime::View& view, const ViewOptions& o
                                        Context& context, Diagnostics& diagnostics);
 
 /// Says that cutting a mesh that is not closed may show leaks.
-void warn_of_open_edges(std::size_t open_edges, const ViewOptions& options, const Context& context);
+void warn_of_edges(const voml::EdgeFaults& edges, const ViewOptions& options, const Context& context);
 
 }  // namespace dmvv::cli

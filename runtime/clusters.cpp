@@ -173,9 +173,9 @@ std::vector<Cluster> make_clusters(Surface& surface, const std::vector<bool>& ou
 Result<ArrangedMesh> arrange_mesh(const voml::Mesh& mesh) {
   auto surface = make_surface(mesh);
   if (!surface) return tl::unexpected(std::move(surface.error()));
-  ArrangedMesh arranged{std::move(*surface), {}, voml::count_open_edges(mesh)};
+  ArrangedMesh arranged{std::move(*surface), {}, voml::find_edge_faults(mesh)};
   const std::vector<bool> outward =
-      arranged.open_edges == 0 ? voml::outward_triangles(mesh) : std::vector<bool>(mesh.triangles.size(), false);
+      arranged.edges.count() == 0 ? voml::outward_triangles(mesh) : std::vector<bool>(mesh.triangles.size(), false);
   arranged.clusters = make_clusters(arranged.surface, outward);
   return arranged;
 }

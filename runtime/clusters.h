@@ -46,7 +46,7 @@ std::vector<Cluster> make_clusters(Surface& surface, const std::vector<bool>& ou
 struct ArrangedMesh {
   Surface surface;
   std::vector<Cluster> clusters;
-  std::size_t open_edges = 0;
+  voml::EdgeFaults edges;
 };
 
 /// Errors (input): those of `make_surface`. Cost: n log n in triangles, some 50 ms for 100,000.

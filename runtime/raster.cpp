@@ -121,7 +121,7 @@ Result<void> Rasteriser::set_mesh(const voml::Mesh& mesh, ArrangedMesh arranged)
   std::ranges::transform(surface.vertices, vertices.begin(), vertex_texel);
   is_bound_ = false;
   mesh_.reset();  // a failure below must not leave the old mesh's name on the new one's buffers
-  open_edges_ = arranged.open_edges;
+  edges_ = arranged.edges;
   clusters_ = std::move(arranged.clusters);
   const auto upload = [&](const auto& texels, GpuBuffer& buffer, vk::raii::BufferView& view, vk::Format format) {
     view = nullptr;

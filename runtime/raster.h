@@ -32,7 +32,7 @@ class Rasteriser {
   const voml::Bounds& bounds() const { return bounds_; }
   /// Another number for each mesh that was set.
   std::uint32_t mesh_serial() const { return mesh_serial_; }
-  std::size_t open_edges() const { return open_edges_; }
+  const voml::EdgeFaults& edges() const { return edges_; }
 
   /// Whether the kernels for such a view have been made.
   bool is_ready(const Shot& shot) const { return pipelines_.contains(kernel_kind(shot)); }
@@ -72,7 +72,7 @@ class Rasteriser {
   GpuBuffer nearest_, shells_;  ///< of each pixel (shaders/raster.h)
 
   std::optional<voml::Mesh> mesh_;
-  std::size_t open_edges_ = 0;
+  voml::EdgeFaults edges_;
   std::vector<Cluster> clusters_;
   voml::Bounds bounds_{};
   GpuBuffer vertices_, indices_;

@@ -595,7 +595,7 @@ Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
                 {"split the scene's longest lists of seeds or embedded objects, or use another device"});
   }
   if (timings != nullptr && gpu.timer_bits != 0) timings->push_back({gpu_step, gpu_ms});
-  if (!view.slice && !view.cuts.empty()) picture.open_edges = rasteriser->open_edges();
+  if (!view.slice && !view.cuts.empty()) picture.edges = rasteriser->edges();
   return picture;
 }
 

@@ -71,7 +71,7 @@ struct Picture {
       depth;  ///< if asked for: distance along the view direction, root units (0 on a slice); infinity where empty
   std::vector<glm::vec3>
       positions;  ///< if asked for: the point evaluated at sample (0, 0), root coordinates; NaN where there is no surface
-  std::size_t open_edges = 0;  ///< of the support mesh when cut: caps of an open mesh may leak
+  voml::EdgeFaults edges;  ///< of the support mesh when cut: caps of a mesh that is not closed may leak
 };
 
 /// "eye 3 2 4 look 0 0 0 fov 30", optional "up x y z"; words in any order, eye and look needed.

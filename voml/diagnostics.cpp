@@ -6,6 +6,8 @@
 #include <cassert>
 #include <numeric>
 
+#include "voml/encoding.h"
+
 namespace dmvv {
 
 // ---- the table ----
@@ -79,9 +81,14 @@ std::size_t count_code_points(std::string_view text) {
       std::count_if(text.begin(), text.end(), [](char c) { return !continues_code_point(c); }));
 }
 
-/// Terminals must not be driven by the text of a file: control characters but tabs become '?'.
+/// Terminals must not be driven by the text of a file: control characters but tabs, and what is not UTF-8, become '?'.
 std::string printable(std::string_view text) {
   std::string result(text);
+  for (auto fault = voml::first_not_utf8(result); fault;) {
+    result[*fault] = '?';
+    const auto next = voml::first_not_utf8(std::string_view(result).substr(*fault));
+    fault = next ? std::optional(*fault + *next) : std::nullopt;
+  }
   for (char& c : result) {
     if ((static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7f) c = '?';
   }

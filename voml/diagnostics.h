@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace dmvv {
@@ -82,6 +83,9 @@ class Diagnostics {
   /// Registers a file so that spans can point into it. `text` may be empty for a binary file: then only the name is
   /// printed. Cost: a copy of the text.
   SourceId add_source(std::string name, std::string text);
+
+  /// Puts a converted text in the place of a source that nothing has been reported of yet.
+  void replace_source_text(SourceId source, std::string text) { sources_[source.index].text = std::move(text); }
 
   void report(Code code, Span span, std::string message, std::vector<Note> notes = {});
 

@@ -23,6 +23,10 @@ struct ObjectNames {
   std::unordered_map<std::string, Id<Region>> regions;
   std::vector<std::size_t> function_blocks;
   std::size_t document = 0;  ///< that the object stands in
+  // Two definitions of one name may be a typo in one of them: then the name that was meant is no fault of its own.
+  bool has_sdf_twice = false;
+  bool has_region_twice = false;
+  bool is_second = false;  ///< the object's own name is that of an earlier one
 };
 
 /// A node of a tree whose SDF or region is given by name.
@@ -65,6 +69,7 @@ struct Draft {
   std::vector<NodeReference> node_references;
   std::vector<ObjectReference> object_references;
   std::vector<UnknownElement> unknown_elements;
+  bool has_object_twice = false;
   bool incomplete = false;  ///< a file is missing or malformed: names that it may define are not reported
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -12,6 +13,10 @@
 #include <new>
 #include <sstream>
 #include <system_error>
+#include <vector>
+
+#include "voml/diagnostics.h"
+#include "voml/text.h"
 
 namespace dmvv {
 namespace {
@@ -29,10 +34,83 @@ auto cannot(std::string_view what, Fault fault, const std::string& path, std::st
 
 std::string reason(int error_number) { return std::generic_category().message(error_number); }
 
+// ---- what may be meant by the name of a file that is not there ----
+
+/// The names in a folder, "" being the current one; nothing if there is no such folder.
+using ListFolder = std::function<std::vector<std::string>(const std::string& folder)>;
+
+std::vector<std::string> list_folder(const std::string& folder) {
+  constexpr std::size_t most = 20000;
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator at(folder.empty() ? "." : folder, error), end; !error && at != end; at.increment(error)) {
+    names.push_back(at->path().filename().string());
+    if (names.size() == most) break;
+  }
+  std::ranges::sort(names);  // folders have no order
+  return names;
+}
+
+/// The name among `names` that is `name` but for the case of its letters, or for a typo before its ending.
+std::optional<std::string> similar_name(const std::string& name, const std::vector<std::string>& names) {
+  if (std::ranges::find(names, name) != names.end()) return name;
+  for (const std::string& other : names) {
+    if (voml::same_word(name, other)) return other;
+  }
+  const std::string stem = fs::path(name).stem().string(), ending = fs::path(name).extension().string();
+  constexpr std::size_t shortest = 3;  // of a stem: others are near to everything
+  if (stem.size() < shortest) return std::nullopt;
+  std::vector<std::string_view> stems;
+  std::vector<const std::string*> whole;
+  for (const std::string& other : names) {
+    const std::string_view view = other;
+    if (view.size() < ending.size() || !voml::same_word(view.substr(view.size() - ending.size()), ending)) continue;
+    stems.push_back(view.substr(0, view.size() - ending.size()));
+    whole.push_back(&other);
+  }
+  const auto near = nearest_name(stem, stems);
+  if (!near) return std::nullopt;
+  return *whole[static_cast<std::size_t>(std::ranges::find(stems, *near) - stems.begin())];
+}
+
+/// The path to something that exists and that `path` may mean.
+std::optional<std::string> similar_path(const std::string& path, const ListFolder& list) {
+  fs::path found;
+  for (const fs::path& part : fs::path(path)) {
+    if (part == "." || part == ".." || part.has_root_directory()) {
+      found /= part;
+      continue;
+    }
+    const auto name = similar_name(part.string(), list(found.generic_string()));
+    if (!name) return std::nullopt;
+    found /= *name;
+  }
+  return found.empty() ? std::nullopt : std::optional(found.generic_string());
+}
+
+/// What to say of a file that is not there.
+std::string no_such_file(const std::string& path, const ListFolder& list) {
+  std::string slashed = path;
+  std::ranges::replace(slashed, '\\', '/');
+  if (slashed == path) {
+    const auto meant = similar_path(path, list);
+    return meant && *meant != path ? fmt::format("no such file; did you mean '{}'?", *meant) : "no such file";
+  }
+  // A path of Windows: folders as they are, or, of a drive, the file beside the one that names it.
+  auto meant = similar_path(slashed, list);
+  const std::size_t folder = path.find_last_of('/', path.find('\\'));
+  const std::string beside = path.substr(0, folder == std::string::npos ? 0 : folder + 1);
+  if (!meant) meant = similar_path(beside + fs::path(slashed).filename().string(), list);
+  constexpr std::string_view cause = "no such file; '/' separates folders, not '\\'";
+  return meant ? fmt::format("{}; did you mean '{}'?", cause, *meant) : fmt::format("{}: write '{}'", cause, slashed);
+}
+
 Result<std::string> read_whole(const std::string& path, std::uint64_t max_bytes) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
-  if (status.type() == fs::file_type::not_found) return cannot("read", Fault::input, path, "no such file");
+  if (status.type() == fs::file_type::not_found) {
+    return cannot("read", Fault::input, path, no_such_file(path, list_folder));
+  }
   if (fs::is_directory(status)) return cannot("read", Fault::input, path, "it is a directory");
   if (status.type() == fs::file_type::none) return cannot("read", Fault::input, path, error.message());
   if (!fs::is_regular_file(status)) return cannot("read", Fault::input, path, "not a regular file");
@@ -51,6 +129,16 @@ Result<std::string> read_whole(const std::string& path, std::uint64_t max_bytes)
 }
 
 std::string normal(const std::string& path) { return fs::path(path).lexically_normal().generic_string(); }
+
+/// The names in a folder of a map of paths: what stands behind `prefix` up to the next '/'.
+std::vector<std::string> names_below(const std::map<std::string, std::string>& files, const std::string& prefix) {
+  std::vector<std::string> names;
+  for (auto at = files.lower_bound(prefix); at != files.end() && at->first.starts_with(prefix); ++at) {
+    const std::string name = at->first.substr(prefix.size(), at->first.find('/', prefix.size()) - prefix.size());
+    if (names.empty() || names.back() != name) names.push_back(name);
+  }
+  return names;
+}
 
 bool write_and_close(File file, std::string_view bytes) {
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
@@ -80,7 +168,11 @@ ReadFile memory_files(std::map<std::string, std::string> files) {
     if (found == by_path.end()) {
       const auto below = by_path.lower_bound(name + "/");
       const bool directory = below != by_path.end() && below->first.starts_with(name + "/");
-      return cannot("read", Fault::input, path, directory ? "it is a directory" : "no such file");
+      const auto list = [&](const std::string& folder) {
+        const std::string prefix = folder.empty() ? "" : normal(folder);
+        return names_below(by_path, prefix.empty() || prefix.ends_with('/') ? prefix : prefix + "/");
+      };
+      return cannot("read", Fault::input, path, directory ? "it is a directory" : no_such_file(path, list));
     }
     const std::uint64_t size = found->second.size();
     if (size > max_bytes) {

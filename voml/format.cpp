@@ -123,6 +123,11 @@ class Layout {
     for (const pugi::xml_attribute attribute : element.attributes()) {
       const auto slot = std::ranges::find_if(known, [&](auto name) { return same_word(name, attribute.name()); });
       const Bytes value = bytes(attribute.value());
+      if (element.type() == pugi::node_declaration && same_word(attribute.name(), "encoding") &&
+          !is_true_encoding(written(value))) {
+        found.push_back({known.size(), "encoding=\"UTF-8\""});
+        continue;
+      }
       const char quote = written(value).find('"') == std::string_view::npos ? '"' : '\'';
       found.push_back({static_cast<std::size_t>(slot - known.begin()),
                        std::string(slot == known.end() ? std::string_view(attribute.name()) : *slot) + '=' + quote +
@@ -132,6 +137,12 @@ class Layout {
     std::vector<std::string> result;
     for (Attribute& attribute : found) result.push_back(std::move(attribute.text));
     return result;
+  }
+
+  /// Of a layout, which is UTF-8: another encoding that the file had is no longer true.
+  static bool is_true_encoding(std::string_view declared) {
+    const bool is_ascii = same_word(declared, "US-ASCII") || same_word(declared, "ASCII");
+    return is_ascii || same_word(declared, "UTF-8") || same_word(declared, "UTF8");
   }
 
   static Tag tag_of_element(pugi::xml_node element) {

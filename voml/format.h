@@ -9,7 +9,8 @@
 namespace dmvv::voml {
 
 /// Lays out the registered text of `source`: one element a line, two blanks a level, attributes in the order of the
-/// specification's table and wrapped at 120 columns, UTF-8 without a byte order mark, line ends LF.
+/// specification's table and wrapped at 120 columns, UTF-8 without a byte order mark, line ends LF. A declaration of
+/// another encoding becomes encoding="UTF-8".
 ///
 /// Kept: comments (their further lines move with the first), processing instructions, DOCTYPE, entities, the text and
 /// CDATA of elements byte for byte, an empty line between two elements, and short elements that stand on one line.

@@ -13,7 +13,9 @@
 #include <numeric>
 #include <span>
 
+#include "voml/encoding.h"
 #include "voml/mesh_readers.h"
+#include "voml/text.h"
 
 namespace dmvv::voml {
 
@@ -21,7 +23,7 @@ namespace dmvv::voml {
 
 namespace {
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
+bool parts_tokens(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
@@ -38,6 +40,10 @@ std::string quoted(std::string_view token) {
 
 }  // namespace
 
+std::string_view mark_of(std::string_view bytes) {
+  return encoding_of_mark(bytes) == "UTF-8" ? bytes.substr(0, 3) : "";
+}
+
 bool equals_ignoring_case(std::string_view word, std::string_view lower_word) {
   return std::ranges::equal(word, lower_word, {}, lower);
 }
@@ -51,14 +57,14 @@ std::size_t TextCursor::continuation_length() const {
 
 void TextCursor::skip_blanks() {
   while (position_ < text_.size()) {
-    const std::size_t step = is_blank(text_[position_]) ? 1 : continuation_length();
+    const std::size_t step = parts_tokens(text_[position_]) ? 1 : continuation_length();
     if (step == 0) return;
     position_ += step;
   }
 }
 
 void TextCursor::skip_space() {
-  while (position_ < text_.size() && (is_blank(text_[position_]) || is_line_end(text_[position_]))) ++position_;
+  while (position_ < text_.size() && (parts_tokens(text_[position_]) || is_line_end(text_[position_]))) ++position_;
 }
 
 bool TextCursor::at_line_end() {
@@ -82,7 +88,7 @@ void TextCursor::next_line() {
 std::string_view TextCursor::token() {
   skip_blanks();
   token_begin_ = position_;
-  while (position_ < text_.size() && !is_blank(text_[position_]) && !is_line_end(text_[position_]) &&
+  while (position_ < text_.size() && !parts_tokens(text_[position_]) && !is_line_end(text_[position_]) &&
          continuation_length() == 0) {
     ++position_;
   }
@@ -94,7 +100,7 @@ std::string_view TextCursor::rest_of_line() {
   token_begin_ = position_;
   while (position_ < text_.size() && !is_line_end(text_[position_])) ++position_;
   std::string_view rest = text_.substr(token_begin_, position_ - token_begin_);
-  while (!rest.empty() && is_blank(rest.back())) rest.remove_suffix(1);
+  while (!rest.empty() && parts_tokens(rest.back())) rest.remove_suffix(1);
   return rest;
 }
 
@@ -109,7 +115,8 @@ double TextCursor::number(std::string_view what) {
                  fmt::format("{} is {}, beyond the range of double precision", what, quoted(word)));
   }
   if (error != std::errc() || end != digits.data() + digits.size()) {
-    refuse_token(Code::mesh_syntax, fmt::format("expected {}, a number, found {}", what, quoted(word)));
+    refuse_token(Code::mesh_syntax,
+                 fmt::format("expected {}, a number, found {}{}", what, quoted(word), hint_at_number(word)));
   }
   if (!std::isfinite(value)) {
     refuse_token(Code::mesh_number_not_finite, fmt::format("{} is {}, not a finite number", what, quoted(word)));
@@ -128,12 +135,18 @@ std::int64_t TextCursor::integer(std::string_view what) {
   return value;
 }
 
+void TextCursor::split_token(std::size_t n) { position_ = token_begin_ + n; }
+
+MeshFault TextCursor::remark(Code code, std::string message) const {
+  return {code, token_begin_, position_, std::move(message)};
+}
+
 void TextCursor::refuse_token(Code code, std::string message) const {
-  throw MeshRefusal{code, token_begin_, position_, std::move(message)};
+  throw MeshFault{code, token_begin_, position_, std::move(message)};
 }
 
 void TextCursor::refuse_here(Code code, std::string message) const {
-  throw MeshRefusal{code, position_, position_, std::move(message)};
+  throw MeshFault{code, position_, position_, std::move(message)};
 }
 
 void TextCursor::refuse_missing(std::string_view what) const {
@@ -145,6 +158,14 @@ void TextCursor::refuse_missing(std::string_view what) const {
 
 void append_fan(std::span<const std::uint32_t> corners, std::vector<glm::uvec3>& triangles) {
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) triangles.emplace_back(corners[0], corners[i], corners[i + 1]);
+}
+
+void append_strip(std::span<const std::uint32_t> corners, std::vector<glm::uvec3>& triangles) {
+  for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
+    const std::uint32_t a = corners[i], b = corners[i + 1], c = corners[i + 2];
+    if (a == b || b == c || c == a) continue;
+    triangles.push_back(i % 2 == 0 ? glm::uvec3(a, b, c) : glm::uvec3(b, a, c));
+  }
 }
 
 namespace {
@@ -161,7 +182,7 @@ std::uint64_t hash(const glm::dvec3& p) {
 
 }  // namespace
 
-std::vector<std::uint32_t> weld(std::span<const glm::dvec3> positions) {
+std::vector<std::uint32_t> first_of_equal(std::span<const glm::dvec3> positions) {
   constexpr std::uint32_t vacant = 0xffffffffu;
   std::vector<std::uint32_t> slots(std::bit_ceil(2 * positions.size() + 1), vacant);
   const std::size_t mask = slots.size() - 1;
@@ -187,8 +208,8 @@ Bounds bounds(const Mesh& mesh) {
   return box;
 }
 
-std::size_t count_open_edges(const Mesh& mesh) {
-  const std::vector<std::uint32_t> first = weld(mesh.positions);
+EdgeFaults find_edge_faults(const Mesh& mesh) {
+  const std::vector<std::uint32_t> first = first_of_equal(mesh.positions);
   const auto for_each_edge = [&](auto body) {
     for (const glm::uvec3& triangle : mesh.triangles) {
       const glm::uvec3 v(first[triangle.x], first[triangle.y], first[triangle.z]);
@@ -207,21 +228,43 @@ std::size_t count_open_edges(const Mesh& mesh) {
     edges[next[std::min(a, b)]++] = std::uint64_t{std::max(a, b)} << 1 | (a < b ? 1u : 0u);
   });
 
-  // An edge is closed if it was passed once in each direction.
-  std::size_t open = 0;
+  EdgeFaults faults;
+  const auto count = [&](EdgeCount& kind, std::size_t a, std::uint64_t b) {
+    if (kind.count++ == 0) kind.from = mesh.positions[a], kind.to = mesh.positions[b];
+  };
   for (std::size_t v = 0; v + 1 < begin.size(); ++v) {
     const std::span of_vertex(edges.data() + begin[v], edges.data() + begin[v + 1]);
     std::ranges::sort(of_vertex);
     for (std::size_t e = 0, end = 0; e < of_vertex.size(); e = end) {
-      while (end < of_vertex.size() && of_vertex[end] >> 1 == of_vertex[e] >> 1) ++end;
-      if (end - e != 2 || of_vertex[e] == of_vertex[e + 1]) ++open;
+      const std::uint64_t other = of_vertex[e] >> 1;
+      while (end < of_vertex.size() && of_vertex[end] >> 1 == other) ++end;
+      ++faults.edges;
+      if (end - e == 1) count(faults.open, v, other);
+      if (end - e == 2 && of_vertex[e] == of_vertex[e + 1]) count(faults.opposed, v, other);
+      if (end - e > 2) count(faults.crowded, v, other);
     }
   }
-  return open;
+  return faults;
+}
+
+std::vector<std::string> describe(const EdgeFaults& edges) {
+  std::vector<std::string> lines;
+  const auto line = [&](const EdgeCount& kind, std::string_view one, std::string_view several) {
+    if (kind.count == 0) return;
+    lines.push_back(fmt::format("{} {}, {} ({:.6g} {:.6g} {:.6g}) to ({:.6g} {:.6g} {:.6g})", kind.count,
+                                kind.count == 1 ? one : several, kind.count == 1 ? "from" : "the first from",
+                                kind.from.x, kind.from.y, kind.from.z, kind.to.x, kind.to.y, kind.to.z));
+  };
+  line(edges.open, "open edge, with a triangle on one side only", "open edges, with a triangle on one side only");
+  line(edges.opposed, "edge lies between two triangles wound against each other",
+       "edges lie between two triangles wound against each other");
+  line(edges.crowded, "edge has more than two triangles", "edges have more than two triangles");
+  return lines;
 }
 
 std::vector<bool> outward_triangles(const Mesh& mesh) {
-  std::vector<std::uint32_t> part = weld(mesh.positions);  // each vertex points to another one of its part, or itself
+  std::vector<std::uint32_t> part =
+      first_of_equal(mesh.positions);  // each vertex points to another one of its part, or itself
   const auto part_of = [&](std::uint32_t v) {
     while (part[v] != v) v = part[v] = part[part[v]];
     return v;
@@ -254,46 +297,56 @@ Mesh standard_cube() {
 
 namespace {
 
-Mesh read_mesh(const std::string& path, std::string_view bytes) {
+/// By its first line, which binary PLY has too.
+bool looks_like_ply(std::string_view bytes) {
+  bytes.remove_prefix(mark_of(bytes).size());
+  return bytes.starts_with("ply\n") || bytes.starts_with("ply\r");
+}
+
+Mesh read_mesh(const std::string& path, std::string_view bytes, MeshWarnings& warnings) {
   const auto named = [&](std::string_view ending) {
     return path.size() >= ending.size() && equals_ignoring_case(std::string_view(path).substr(path.size() - 4), ending);
   };
   if (bytes.size() > 0xffffffffu) {
-    throw MeshRefusal{.code = Code::mesh_too_large,
-                      .message = fmt::format("the mesh has {} bytes; at most 4294967295 are read", bytes.size())};
+    throw MeshFault{.code = Code::mesh_too_large,
+                    .message = fmt::format("the mesh has {} bytes; at most 4294967295 are read", bytes.size())};
   }
-  if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r") || named(".ply")) return read_ply(bytes);
-  if (looks_like_stl(bytes) || named(".stl")) return read_stl(bytes);
-  if (looks_like_off(bytes) || named(".off")) return read_off(bytes);
-  if (named(".obj")) return read_obj(bytes);
-  throw MeshRefusal{.code = Code::mesh_unknown_format,
-                    .message = "unknown mesh format; the formats read are OBJ (by its ending .obj), PLY, STL and OFF"};
+  if (looks_like_ply(bytes) || named(".ply")) return read_ply(bytes, warnings);
+  if (looks_like_stl(bytes) || named(".stl")) return read_stl(bytes, warnings);
+  if (looks_like_off(bytes) || named(".off")) return read_off(bytes, warnings);
+  if (named(".obj")) return read_obj(bytes, warnings);
+  throw MeshFault{.code = Code::mesh_unknown_format,
+                  .message = "unknown mesh format; the formats read are OBJ (by its ending .obj), PLY, STL and OFF"};
 }
 
-void report(const MeshRefusal& refusal, const std::string& path, std::string_view bytes, Diagnostics& diagnostics) {
-  if (!refusal.in_text) {
-    const SourceId source = diagnostics.add_source(path, {});
-    diagnostics.report(refusal.code, {source}, fmt::format("{} (at byte {})", refusal.message, refusal.begin));
+void report(const MeshFault& fault, const std::string& path, std::string_view bytes, Diagnostics& diagnostics) {
+  if (!fault.in_text) {
+    diagnostics.report(fault.code, {diagnostics.add_source(path, {})},
+                       fmt::format("{} (at byte {})", fault.message, fault.begin));
     return;
   }
   // The text up to the end of the line in question is all that a message can show.
-  const std::size_t shown = std::min(bytes.find_first_of("\r\n", refusal.end), bytes.size());
+  const std::size_t shown = std::min(bytes.find_first_of("\r\n", fault.end), bytes.size());
   const SourceId source = diagnostics.add_source(path, std::string(bytes.substr(0, shown)));
-  diagnostics.report(refusal.code,
-                     {source, static_cast<std::uint32_t>(refusal.begin), static_cast<std::uint32_t>(refusal.end)},
-                     refusal.message);
+  diagnostics.report(fault.code,
+                     {source, static_cast<std::uint32_t>(fault.begin), static_cast<std::uint32_t>(fault.end)},
+                     fault.message);
 }
 
-}  // namespace
+/// Mesh texts in UTF-16 or UTF-32, as some programs redirect them into a file.
+bool is_wide_text(std::string_view bytes) {
+  const std::string_view encoding = encoding_of_mark(bytes);
+  return !encoding.empty() && encoding != "UTF-8" && !looks_like_stl(bytes);
+}
 
-std::optional<Mesh> parse_mesh(const std::string& path, std::string_view bytes, Diagnostics& diagnostics) {
+std::optional<Mesh> parse(const std::string& path, std::string_view bytes, Diagnostics& diagnostics) {
   try {
-    Mesh mesh = read_mesh(path, bytes);
-    if (mesh.triangles.empty()) {
-      throw MeshRefusal{.code = Code::mesh_without_triangles, .message = "the mesh has no triangle"};
-    }
-    return mesh;
-  } catch (const MeshRefusal& refusal) {
+    MeshWarnings warnings;
+    Mesh mesh = read_mesh(path, bytes, warnings);
+    for (const MeshFault& warning : warnings) report(warning, path, bytes, diagnostics);
+    if (!mesh.triangles.empty()) return mesh;
+    throw MeshFault{.code = Code::mesh_without_triangles, .message = "the mesh has no triangle"};
+  } catch (const MeshFault& refusal) {
     // A place in the data is worth naming only where there is one.
     const bool whole_file = refusal.code == Code::mesh_unknown_format || refusal.code == Code::mesh_too_large ||
                             refusal.code == Code::mesh_without_triangles;
@@ -302,6 +355,19 @@ std::optional<Mesh> parse_mesh(const std::string& path, std::string_view bytes, 
     } else {
       report(refusal, path, bytes, diagnostics);
     }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Mesh> parse_mesh(const std::string& path, std::string_view bytes, Diagnostics& diagnostics) {
+  try {
+    if (!is_wide_text(bytes)) return parse(path, bytes, diagnostics);
+    const Decoded decoded = decode(bytes, encoding_of_mark(bytes)).value();
+    if (decoded.fault.empty()) return parse(path, decoded.text, diagnostics);
+    report({Code::mesh_syntax, decoded.text.size(), decoded.text.size(), decoded.fault}, path, decoded.text,
+           diagnostics);
   } catch (const std::bad_alloc&) {
     diagnostics.report(Code::mesh_too_large, {diagnostics.add_source(path, {})},
                        fmt::format("a mesh file of {} bytes does not fit into memory", bytes.size()));

@@ -11,10 +11,10 @@ namespace {
 
 class ObjReader {
  public:
-  explicit ObjReader(std::string_view bytes) : text_(bytes, /*continuation=*/true) {}
+  ObjReader(std::string_view bytes, MeshWarnings& warnings) : text_(bytes, /*continuation=*/true), warnings_(warnings) {}
 
   Mesh read() {
-    for (; !text_.at_end(); text_.next_line()) read_line();
+    for (; !text_.at_end() && !ends_here(); text_.next_line()) read_line();
     for (const Forward& reference : forward_) {
       if (reference.vertex >= mesh_.positions.size()) refuse_range(reference);
     }
@@ -27,6 +27,20 @@ class ObjReader {
     std::uint64_t vertex;
     std::size_t begin, end;
   };
+
+  /// At a zero or the end mark of old systems: bytes that a text is filled up with, and what follows, are passed over.
+  bool ends_here() {
+    const TextCursor start = text_;
+    const std::string_view word = text_.token();
+    const bool ends = !word.empty() && (word[0] == '\0' || word[0] == '\x1a');
+    if (ends) {
+      warnings_.push_back(text_.remark(
+          Code::mesh_trailing_data,
+          fmt::format("the text ends here; {} bytes are passed over", word.size() + text_.remaining())));
+    }
+    text_ = start;
+    return ends;
+  }
 
   void read_line() {
     if (text_.at_line_end()) return;
@@ -93,12 +107,13 @@ class ObjReader {
   }
 
   [[noreturn]] void refuse_range(const Forward& reference) const {
-    throw MeshRefusal{
+    throw MeshFault{
         Code::mesh_index_out_of_range, reference.begin, reference.end,
         fmt::format("a face names vertex {}, the file has {}", reference.vertex + 1, mesh_.positions.size())};
   }
 
   TextCursor text_;
+  MeshWarnings& warnings_;
   Mesh mesh_;
   std::vector<std::uint32_t> corners_;
   std::vector<Forward> forward_;
@@ -106,6 +121,6 @@ class ObjReader {
 
 }  // namespace
 
-Mesh read_obj(std::string_view bytes) { return ObjReader(bytes).read(); }
+Mesh read_obj(std::string_view bytes, MeshWarnings& warnings) { return ObjReader(bytes, warnings).read(); }
 
 }  // namespace dmvv::voml

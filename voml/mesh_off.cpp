@@ -14,14 +14,20 @@ std::string_view first_word(TextCursor& text) {
   return text.token();
 }
 
-/// "OFF", "COFF", "STCN4nOFF": any letters of the format in front.
-bool is_keyword(std::string_view word) {
-  return word.ends_with("OFF") && word.substr(0, word.size() - 3).find_first_not_of("STCN4n") == std::string_view::npos;
+/// The length of the keyword that a word begins with, 0 if there is none: "OFF", "COFF", "STCN4nOFF", any letters of
+/// the format in front. Behind it the first count may stand without a blank ("OFF490926", as the ModelNet collection
+/// has it).
+std::size_t keyword_length(std::string_view word) {
+  const std::size_t letters = word.find("OFF");
+  if (letters == std::string_view::npos) return 0;
+  if (word.substr(0, letters).find_first_not_of("STCN4n") != std::string_view::npos) return 0;
+  const std::size_t length = letters + 3;
+  return word.find_first_not_of("0123456789", length) == std::string_view::npos ? length : 0;
 }
 
 class OffReader {
  public:
-  explicit OffReader(std::string_view bytes) : text_(bytes) {}
+  OffReader(std::string_view bytes, MeshWarnings& warnings) : text_(bytes), warnings_(warnings) {}
 
   Mesh read() {
     read_keyword();
@@ -36,7 +42,8 @@ class OffReader {
     skip();
     if (!text_.at_end()) {
       text_.token();
-      text_.refuse_token(Code::mesh_syntax, fmt::format("text behind the last of {} faces", faces));
+      warnings_.push_back(text_.remark(Code::mesh_trailing_data,
+                                       fmt::format("text behind the last of {} faces is passed over", faces)));
     }
     return std::move(mesh_);
   }
@@ -49,15 +56,17 @@ class OffReader {
   void read_keyword() {
     const TextCursor start = text_;
     const std::string_view word = first_word(text_);
-    if (!is_keyword(word)) {  // the format lets it be left out
+    const std::size_t length = keyword_length(word);
+    if (length == 0) {  // the format lets it be left out
       text_ = start;
       return;
     }
-    const std::string_view letters = word.substr(0, word.size() - 3);
+    const std::string_view letters = word.substr(0, length - 3);
     if (letters.find_first_of("4n") != std::string_view::npos) {
       text_.refuse_token(Code::mesh_syntax, "a mesh in a space of other than three dimensions");
     }
     more_on_vertex_lines_ = !letters.empty();
+    text_.split_token(length);
     const TextCursor behind = text_;
     if (text_.token() == "BINARY") text_.refuse_token(Code::mesh_syntax, "binary OFF is not read; write it as text");
     text_ = behind;
@@ -120,6 +129,7 @@ class OffReader {
   }
 
   TextCursor text_;
+  MeshWarnings& warnings_;
   Mesh mesh_;
   std::vector<std::uint32_t> corners_;
   bool more_on_vertex_lines_ = false;
@@ -127,11 +137,11 @@ class OffReader {
 
 }  // namespace
 
-Mesh read_off(std::string_view bytes) { return OffReader(bytes).read(); }
+Mesh read_off(std::string_view bytes, MeshWarnings& warnings) { return OffReader(bytes, warnings).read(); }
 
 bool looks_like_off(std::string_view bytes) {
   TextCursor text(bytes);
-  return is_keyword(first_word(text));
+  return keyword_length(first_word(text)) != 0;
 }
 
 }  // namespace dmvv::voml

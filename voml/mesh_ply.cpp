@@ -1,5 +1,6 @@
 // PLY, the Stanford polygon format: a text header that declares elements and their properties, then their values as
-// text or binary in either byte order. Of all elements, the vertices (x, y, z) and the faces (vertex_indices) count.
+// text or binary in either byte order. Of all elements, the vertices (x, y, z), the faces (vertex_indices) and the
+// triangle strips (tristrips, whose vertex_indices are several strips with -1 between them) count.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -49,21 +50,24 @@ struct Header {
 };
 
 [[noreturn]] void refuse_header(const Place& place, std::string message) {
-  throw MeshRefusal{Code::mesh_syntax, place.begin, place.end, std::move(message)};
+  throw MeshFault{Code::mesh_syntax, place.begin, place.end, std::move(message)};
 }
 
 // ---- header ----
 
 class HeaderReader {
  public:
-  explicit HeaderReader(std::string_view bytes) : text_(bytes) {}
+  explicit HeaderReader(std::string_view bytes) : bytes_(bytes), text_(bytes) {}
 
   Header read() {
     if (text_.rest_of_line() != "ply") text_.refuse_token(Code::mesh_syntax, "a PLY file begins with the line 'ply'");
+    const std::string_view behind = bytes_.substr(text_.position());
+    const bool lines_end_with_cr = behind.starts_with('\r') && !behind.starts_with("\r\n");
     bool has_format = false;
     for (;;) {
       text_.next_line();
       if (text_.at_end()) text_.refuse_here(Code::mesh_truncated, "the file ends before the header's 'end_header'");
+      if (text_.at_line_end()) continue;
       const std::string_view keyword = text_.token();
       if (keyword == "end_header") break;
       if (keyword == "format") {
@@ -80,8 +84,11 @@ class HeaderReader {
     }
     header_.end = {text_.token_begin(), text_.position()};
     if (!has_format) refuse_header(header_.end, "the header has no 'format' line");
+    text_.rest_of_line();
+    const std::size_t end_of_line = text_.position();
     text_.next_line();
-    header_.bytes = text_.position();
+    // A line feed behind the last CR of a header with such line ends is the first byte of binary data.
+    header_.bytes = lines_end_with_cr ? std::min(end_of_line + 1, bytes_.size()) : text_.position();
     return std::move(header_);
   }
 
@@ -149,6 +156,7 @@ class HeaderReader {
                        "expected a type: char, uchar, short, ushort, int, uint, float, double, int8 .. float64");
   }
 
+  std::string_view bytes_;
   TextCursor text_;
   Header header_;
 };
@@ -178,12 +186,12 @@ class TextValues {
       if (text_.token().empty()) text_.refuse_here(Code::mesh_truncated, "the file ends within its data");
     }
   }
-  void expect_end() {
+  void expect_end(MeshWarnings& warnings) {
     text_.skip_space();
-    if (!text_.at_end()) {
-      text_.token();
-      refuse(Code::mesh_syntax, "data behind the last element that the header declares");
-    }
+    if (text_.at_end()) return;
+    text_.token();
+    warnings.push_back(text_.remark(Code::mesh_trailing_data,
+                                    "data behind the last element that the header declares are passed over"));
   }
   /// Refuses the value read last.
   [[noreturn]] void refuse(Code code, std::string message) const { text_.refuse_token(code, std::move(message)); }
@@ -219,15 +227,16 @@ class BinaryValues {
     if (count > remaining() / type.bytes) refuse_end();
     position_ += count * type.bytes;
   }
-  void expect_end() {
-    last_ = position_;
-    if (remaining() != 0) {
-      refuse(Code::mesh_syntax, fmt::format("{} bytes behind the last element that the header declares", remaining()));
-    }
+  void expect_end(MeshWarnings& warnings) const {
+    if (remaining() == 0) return;
+    warnings.push_back(
+        {Code::mesh_trailing_data, position_, position_,
+         fmt::format("{} bytes behind the last element that the header declares are passed over", remaining()),
+         /*in_text=*/false});
   }
   /// Refuses the value read last.
   [[noreturn]] void refuse(Code code, std::string message) const {
-    throw MeshRefusal{code, last_, last_, std::move(message), /*in_text=*/false};
+    throw MeshFault{code, last_, last_, std::move(message), /*in_text=*/false};
   }
 
  private:
@@ -261,18 +270,20 @@ class ElementReader {
     }
   }
 
-  Mesh read() {
+  Mesh read(MeshWarnings& warnings) {
     for (const Element& element : header_.elements) {
       check_length(element);
       if (element.name == "vertex") {
         read_vertices(element);
       } else if (element.name == "face") {
-        read_faces(element);
+        read_lists(element, [&](const Property& property) { read_polygon(property); });
+      } else if (element.name == "tristrips") {
+        read_lists(element, [&](const Property& property) { read_strips(property); });
       } else {
         skip(element);
       }
     }
-    values_.expect_end();
+    values_.expect_end(warnings);
     return std::move(mesh_);
   }
 
@@ -284,7 +295,7 @@ class ElementReader {
       smallest += Values::smallest_bytes(property.list_count.value_or(property.type));
     }
     if (smallest == 0 || element.count <= values_.remaining() / smallest) return;
-    throw MeshRefusal{
+    throw MeshFault{
         Code::mesh_truncated, element.place.begin, element.place.end,
         fmt::format("the header promises {} elements '{}' of at least {} bytes each; {} bytes are left for them",
                     element.count, element.name, smallest, values_.remaining())};
@@ -336,17 +347,21 @@ class ElementReader {
     }
   }
 
-  void read_faces(const Element& element) {
+  /// Calls read(property) where the corners of a face or strip stand.
+  template <class ReadCorners>
+  void read_lists(const Element& element, ReadCorners read_corners) {
     auto indices = find(element, "vertex_indices");
     if (!indices) indices = find(element, "vertex_index");
     if (!indices || !element.properties[*indices].list_count ||
         element.properties[*indices].type.kind == Kind::floating) {
-      refuse_header(element.place, "the element 'face' has no list property 'vertex_indices' of an integer type");
+      refuse_header(
+          element.place,
+          fmt::format("the element '{}' has no list property 'vertex_indices' of an integer type", element.name));
     }
     for (std::uint64_t i = 0; i < element.count; ++i) {
       for (std::size_t k = 0; k < element.properties.size(); ++k) {
         if (k == *indices) {
-          read_polygon(element.properties[k]);
+          read_corners(element.properties[k]);
         } else {
           skip(element.properties[k]);
         }
@@ -354,25 +369,50 @@ class ElementReader {
     }
   }
 
+  /// Refuses a list of corners that the rest of the file cannot hold; its length was read last.
+  void check_corner_count(std::uint64_t length, const Property& property, std::string_view what) const {
+    if (length <= values_.remaining() / Values::smallest_bytes(property.type)) return;
+    values_.refuse(Code::mesh_truncated,
+                   fmt::format("a {} promises {} corners, {} bytes are left", what, length, values_.remaining()));
+  }
+
+  /// A vertex that the file has; it was read last.
+  std::uint32_t checked(std::int64_t vertex, std::string_view what) const {
+    if (vertex < 0 || static_cast<std::uint64_t>(vertex) >= vertex_count_) {
+      values_.refuse(Code::mesh_index_out_of_range,
+                     fmt::format("a {} names vertex {}; the file has {}, counted from 0", what, vertex, vertex_count_));
+    }
+    return static_cast<std::uint32_t>(vertex);
+  }
+
   void read_polygon(const Property& property) {
     const std::uint64_t length = list_length(property);
     if (length < 3) {
       values_.refuse(Code::mesh_syntax, fmt::format("a face has {} corners, it needs at least 3", length));
     }
-    if (length > values_.remaining() / Values::smallest_bytes(property.type)) {
-      values_.refuse(Code::mesh_truncated,
-                     fmt::format("a face promises {} corners, {} bytes are left", length, values_.remaining()));
-    }
+    check_corner_count(length, property, "face");
+    corners_.clear();
+    for (std::uint64_t i = 0; i < length; ++i) corners_.push_back(checked(values_.integer(property.type), "face"));
+    append_fan(corners_, mesh_.triangles);
+  }
+
+  /// Triangle strips with -1 (of an unsigned type: its greatest value) between them.
+  void read_strips(const Property& property) {
+    const std::uint64_t length = list_length(property);
+    check_corner_count(length, property, "strip");
+    const bool is_signed = property.type.kind == Kind::signed_integer;
+    const std::int64_t between = is_signed ? -1 : (std::int64_t{1} << 8 * property.type.bytes) - 1;
     corners_.clear();
     for (std::uint64_t i = 0; i < length; ++i) {
       const std::int64_t vertex = values_.integer(property.type);
-      if (vertex < 0 || static_cast<std::uint64_t>(vertex) >= vertex_count_) {
-        values_.refuse(Code::mesh_index_out_of_range,
-                       fmt::format("a face names vertex {}; the file has {}, counted from 0", vertex, vertex_count_));
+      if (vertex != between && vertex != -1) {
+        corners_.push_back(checked(vertex, "strip"));
+        continue;
       }
-      corners_.push_back(static_cast<std::uint32_t>(vertex));
+      append_strip(corners_, mesh_.triangles);
+      corners_.clear();
     }
-    append_fan(corners_, mesh_.triangles);
+    append_strip(corners_, mesh_.triangles);
   }
 
   const Header& header_;
@@ -383,22 +423,27 @@ class ElementReader {
 };
 
 void check_elements(const Header& header) {
-  for (const std::string_view name : {"vertex", "face"}) {
-    const auto count = std::ranges::count(header.elements, name, &Element::name);
-    if (count != 1) {
-      refuse_header(header.end, fmt::format("the header declares {} elements '{}', one is needed", count, name));
-    }
+  const auto count = [&](std::string_view name) { return std::ranges::count(header.elements, name, &Element::name); };
+  if (count("vertex") != 1) {
+    refuse_header(header.end, fmt::format("the header declares {} elements 'vertex', one is needed", count("vertex")));
+  }
+  if (count("face") == 0 && count("tristrips") == 0) {
+    refuse_header(header.end, "the header declares neither an element 'face' nor an element 'tristrips'");
+  }
+  for (const std::string_view name : {"face", "tristrips"}) {
+    if (count(name) > 1)
+      refuse_header(header.end, fmt::format("the header declares {} elements '{}'", count(name), name));
   }
 }
 
 }  // namespace
 
-Mesh read_ply(std::string_view bytes) {
+Mesh read_ply(std::string_view bytes, MeshWarnings& warnings) {
   const Header header = HeaderReader(bytes).read();
   check_elements(header);
-  if (header.encoding == Encoding::text) return ElementReader(header, TextValues(bytes, header.bytes)).read();
+  if (header.encoding == Encoding::text) return ElementReader(header, TextValues(bytes, header.bytes)).read(warnings);
   const BinaryValues values(bytes, header.bytes, header.encoding == Encoding::big_endian);
-  return ElementReader(header, values).read();
+  return ElementReader(header, values).read(warnings);
 }
 
 }  // namespace dmvv::voml

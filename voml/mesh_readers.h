@@ -13,9 +13,9 @@
 
 namespace dmvv::voml {
 
-/// Thrown by the readers at the first fault, since nothing after it can be trusted; parse_mesh turns it into a
-/// diagnostic. Bytes [begin, end) of a text, or the offset `begin` into binary data.
-struct MeshRefusal {
+/// What parse_mesh turns into a diagnostic: thrown by the readers at the first error, since nothing after it can be
+/// trusted; collected where it is a warning. Bytes [begin, end) of a text, or the offset `begin` into binary data.
+struct MeshFault {
   Code code;
   std::size_t begin = 0;
   std::size_t end = 0;
@@ -23,11 +23,18 @@ struct MeshRefusal {
   bool in_text = true;
 };
 
-/// Walks through a text token by token. Tokens are separated by blanks; a token never holds a line's end.
+using MeshWarnings = std::vector<MeshFault>;
+
+/// The UTF-8 byte order mark that bytes begin with, or nothing.
+std::string_view mark_of(std::string_view bytes);
+
+/// Walks through a text token by token, from behind its byte order mark. Tokens are separated by blanks; a token never
+/// holds a line's end.
 class TextCursor {
  public:
   /// With `continuation`, a backslash at the end of a line counts as a blank (OBJ).
-  explicit TextCursor(std::string_view text, bool continuation = false) : text_(text), continuation_(continuation) {}
+  explicit TextCursor(std::string_view text, bool continuation = false)
+      : text_(text), continuation_(continuation), position_(mark_of(text).size()) {}
 
   bool at_end() const { return position_ == text_.size(); }
   std::size_t position() const { return position_; }
@@ -39,6 +46,7 @@ class TextCursor {
   bool at_line_end();               ///< after blanks; true at the end of the text
   bool at_comment();                ///< after blanks, at a '#'
   void next_line();                 ///< behind the line's end, continuations included
+  void split_token(std::size_t n);  ///< the token read last ends after n bytes; the rest is read next
   std::string_view token();         ///< the next token of this line; empty at its end
   std::string_view rest_of_line();  ///< without the blanks around it
 
@@ -47,6 +55,8 @@ class TextCursor {
   /// The next token of this line as an integer.
   std::int64_t integer(std::string_view what);
 
+  /// A warning at the token read last.
+  MeshFault remark(Code code, std::string message) const;
   /// Refuses the token read last.
   [[noreturn]] void refuse_token(Code code, std::string message) const;
   /// Refuses the place where the cursor stands.
@@ -58,24 +68,26 @@ class TextCursor {
 
   std::string_view text_;
   bool continuation_;
-  std::size_t position_ = 0;
+  std::size_t position_;
   std::size_t token_begin_ = 0;
 };
 
 /// Adds the triangles (0, i, i + 1) of a polygon.
 void append_fan(std::span<const std::uint32_t> corners, std::vector<glm::uvec3>& triangles);
 
-/// For each position the index of the first one with equal coordinates. Cost: linear.
-std::vector<std::uint32_t> weld(std::span<const glm::dvec3> positions);
+/// Adds the triangles of a strip: corners i, i + 1, i + 2, every second one turned around. Those with a corner twice,
+/// which join two strips, are left out.
+void append_strip(std::span<const std::uint32_t> corners, std::vector<glm::uvec3>& triangles);
 
 /// Equal case-insensitively; `lower` is in lower case.
 bool equals_ignoring_case(std::string_view word, std::string_view lower);
 
-// The formats. Each returns a mesh whose positions are finite and whose indices are in range, or throws MeshRefusal.
-Mesh read_obj(std::string_view bytes);
-Mesh read_ply(std::string_view bytes);
-Mesh read_stl(std::string_view bytes);
-Mesh read_off(std::string_view bytes);
+// The formats. Each returns a mesh whose positions are finite and whose indices are in range, or throws MeshFault. A
+// byte order mark in front of the bytes does not count.
+Mesh read_obj(std::string_view bytes, MeshWarnings& warnings);
+Mesh read_ply(std::string_view bytes, MeshWarnings& warnings);
+Mesh read_stl(std::string_view bytes, MeshWarnings& warnings);
+Mesh read_off(std::string_view bytes, MeshWarnings& warnings);
 
 /// True if the bytes can only be an STL file: text that begins with "solid", or as long as a binary STL says it is.
 bool looks_like_stl(std::string_view bytes);

@@ -23,6 +23,7 @@ class NameResolver {
  public:
   NameResolver(Draft& draft, Diagnostics& diagnostics) : draft_(draft), scene_(draft.scene), diagnostics_(diagnostics) {
     for (std::uint32_t i = 0; i < draft.names.size(); ++i) {  // objects in order: no result depends on a hash
+      if (draft.names[i].is_second) continue;
       for (const auto& [name, id] : draft.names[i].sdfs) sdfs_[name].push_back({id, Id<Object>{i}});
       for (const auto& [name, id] : draft.names[i].regions) regions_[name].push_back({id, Id<Object>{i}});
     }
@@ -97,6 +98,12 @@ template <class T>
 void NameResolver::report_unknown(const NodeReference& reference, const Definitions<T>& all,
                                   const std::vector<T>& owner) {
   if (draft_.incomplete) return;  // it may stand in the file that could not be read
+  const ObjectNames& names = draft_.names[reference.object.index];
+  if (std::is_same_v<T, Sdf> ? names.has_sdf_twice : names.has_region_twice) return;
+  for (const ObjectNames& second : draft_.names) {
+    if (!second.is_second) continue;
+    if (std::is_same_v<T, Sdf> ? second.sdfs.contains(reference.name) : second.regions.contains(reference.name)) return;
+  }
   const std::string what = fmt::format("unknown {} {}", word_of(reference.kind), in_quotes(reference.name));
   if (const auto several = all.find(reference.name); several != all.end()) {
     std::vector<Note> notes;
@@ -114,7 +121,6 @@ void NameResolver::report_unknown(const NodeReference& reference, const Definiti
   }
   std::string suggestion;
   if (suggestions_are_seen()) {
-    const ObjectNames& names = draft_.names[reference.object.index];
     std::vector<std::string_view> own, others;
     for (const T& thing : owner) {
       const bool is_own = std::is_same_v<T, Sdf> ? names.sdfs.contains(thing.name) : names.regions.contains(thing.name);
@@ -148,7 +154,8 @@ void NameResolver::resolve_embeddings() {
   for (const ObjectReference& reference : draft_.object_references) {
     if (const auto found = draft_.objects.find(reference.name); found != draft_.objects.end()) {
       at(scene_.regions, reference.region).groups[reference.group].embedded[reference.embedded].object = found->second;
-    } else if (!blame_misspelt_definition(Tag::object, reference.name) && !draft_.incomplete) {
+    } else if (!blame_misspelt_definition(Tag::object, reference.name) && !draft_.incomplete &&
+               !draft_.has_object_twice) {
       diagnostics_.report(
           Code::unknown_name, reference.span,
           fmt::format("unknown object {}{}", in_quotes(reference.name), suggest_object(reference.name)));
@@ -162,6 +169,7 @@ void NameResolver::choose_root(const std::string& name) {
   const auto found = draft_.objects.find(name);
   scene_.root = found != draft_.objects.end() ? found->second : Id<Object>{};
   if (found != draft_.objects.end() || blame_misspelt_definition(Tag::object, name) || draft_.incomplete) return;
+  if (draft_.has_object_twice) return;
   diagnostics_.report(
       Code::unknown_name, Span{},
       fmt::format("the root is to be {}, but no object has that name{}", in_quotes(name), suggest_object(name)));

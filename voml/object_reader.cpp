@@ -76,6 +76,10 @@ void DefinitionReader::register_name(std::unordered_map<std::string, Id<T>>& nam
   const std::string& name = at(all, id).name;
   if (name.empty()) return;
   const auto [entry, is_new] = names.try_emplace(name, id);
+  if (!is_new) {
+    ObjectNames& own = draft_.names[object_.index];
+    (std::is_same_v<T, Sdf> ? own.has_sdf_twice : own.has_region_twice) = true;
+  }
   if (is_new || diagnostics_.error_count() != errors_before) return;  // a broken definition is fault enough
   const std::string_view kind = std::is_same_v<T, Sdf> ? "SDF" : "region";
   diagnostics_.report(Code::duplicate_name, span,
@@ -315,6 +319,7 @@ void ObjectReader::read_name(Element element) {
     at(scene_.objects, object_).name = *name;
     const auto [entry, is_new] = draft_.objects.try_emplace(*name, object_);
     if (!is_new) {
+      draft_.names[object_.index].is_second = draft_.has_object_twice = true;
       diagnostics_.report(Code::duplicate_name, attributes.span("name"),
                           fmt::format("the object {} is defined twice", in_quotes(*name)),
                           {{at(scene_.objects, entry->second).span, "first defined here"}});
@@ -469,6 +474,8 @@ void ObjectReader::expand_shorthand(Element element, const Children& children) {
   if (blame_misspelt(children, Tag::mappings, draft_)) return;
   if (regions_.size() != 1 || sdfs_.size() > 1) {
     if (regions_.empty() && blame_misspelt(children, Tag::region, draft_)) return;
+    const ObjectNames& own = draft_.names[object_.index];
+    if (own.has_sdf_twice || own.has_region_twice) return;  // one of the two may be too many
     diagnostics_.report(
         Code::missing_mappings, element.name_span(),
         fmt::format("this object has no MAPPINGS; they may be left out beside one REGION and at most one SDF, but here "

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "voml/encoding.h"
 #include "voml/limits.h"
 #include "voml/text.h"
 
@@ -43,6 +44,7 @@ class Lines {
 }  // namespace
 
 std::optional<std::vector<glm::dvec3>> parse_vectors(SourceId source, Diagnostics& diagnostics) {
+  if (!make_utf8_by_mark(source, diagnostics)) return std::nullopt;
   const std::string_view text = diagnostics.source_text(source);
   std::size_t count = 0;  // known before anything is allocated
   Lines counted(text);

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace dmvv::voml {
 namespace {
@@ -14,6 +15,7 @@ char to_upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' 
 char to_lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 constexpr std::string_view separators = " \t\r\n,";
+constexpr std::string_view typographic_minus = "\xe2\x88\x92";
 
 /// std::from_chars reports underflow and overflow alike; an exponent below zero can only be the former.
 bool underflows(std::string_view token) {
@@ -21,10 +23,52 @@ bool underflows(std::string_view token) {
   return exponent != std::string_view::npos && token.substr(exponent + 1).starts_with('-');
 }
 
+bool is_number(std::string_view word) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return error == std::errc() && end == word.data() + word.size() && std::isfinite(value);
+}
+
+/// "0.5" for "0,5" and for "-0,5" with a typographic minus; nothing if that makes no number of the word.
+std::optional<std::string> mended_number(std::string_view word) {
+  std::string mended(word);
+  if (mended.starts_with(typographic_minus)) mended.replace(0, typographic_minus.size(), "-");
+  const std::size_t comma = mended.find(',');
+  if (comma != std::string::npos && comma + 1 < mended.size()) mended[comma] = '.';
+  return mended != word && is_number(mended) ? std::optional(mended) : std::nullopt;
+}
+
+/// The end of a message about a text that is no vector: how it would be one, if decimal commas, typographic minus signs
+/// or semicolons between the numbers are all that is wrong with it.
+std::string hint_at_vector(std::string_view text) {
+  std::string mended;
+  std::size_t count = 0;
+  for (std::size_t i = 0; count <= 3; ++count) {
+    i = text.find_first_not_of(" \t\r\n;", i);
+    if (i == std::string_view::npos) break;
+    const std::size_t end = std::min(text.find_first_of(" \t\r\n;", i), text.size());
+    std::string_view word = text.substr(i, end - i);
+    if (word.ends_with(',') && count < 2) word.remove_suffix(1);  // "0,5, 0,5, 0,5"
+    const auto number = is_number(word) ? std::optional(std::string(word)) : mended_number(word);
+    if (!number) return {};
+    mended += (count == 0 ? "" : " ") + *number;
+    i = end;
+  }
+  if (count != 3) return {};
+  const bool commas = text.find(',') != std::string_view::npos,
+             minus = text.find(typographic_minus) != std::string_view::npos;
+  return fmt::format("; {}: write {}",
+                     commas  ? "decimal numbers have a point"
+                     : minus ? "the minus is '-'"
+                             : "blanks part the numbers",
+                     in_quotes(mended));
+}
+
 /// The number that is exactly `token`, which stands at `begin` of the text.
 std::variant<double, NumberFault> parse_token(std::string_view token, std::size_t begin) {
   using Kind = NumberFault::Kind;
-  const auto fault = [&](Kind kind, std::string_view what) {
+  const auto fault = [&](Kind kind, const std::string& what) {
     return NumberFault{kind, begin, begin + token.size(), fmt::format("{} {}", in_quotes(token), what)};
   };
   std::string_view digits = token;
@@ -32,7 +76,7 @@ std::variant<double, NumberFault> parse_token(std::string_view token, std::size_
   double value = 0.0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error == std::errc::invalid_argument || end != digits.data() + digits.size()) {
-    return fault(Kind::not_a_number, "is not a number");
+    return fault(Kind::not_a_number, "is not a number" + hint_at_number(token));
   }
   if (error == std::errc::result_out_of_range && underflows(digits)) return 0.0;
   const bool fits = std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max());  // false for NaN
@@ -96,7 +140,16 @@ std::variant<double, NumberFault> parse_number(std::string_view text) {
   return parse_token(token, static_cast<std::size_t>(token.data() - text.data()));
 }
 
-std::variant<glm::dvec3, NumberFault> parse_vector(std::string_view text) {
+std::string hint_at_number(std::string_view word) {
+  const auto number = mended_number(word);
+  if (!number) return {};
+  const bool comma = word.find(',') != std::string_view::npos;
+  return fmt::format("; {}: write {}", comma ? "decimal numbers have a point" : "the minus is '-'", *number);
+}
+
+namespace {
+
+std::variant<glm::dvec3, NumberFault> three_numbers(std::string_view text) {
   glm::dvec3 result;
   glm::length_t count = 0;
   std::size_t i = 0;
@@ -124,6 +177,18 @@ std::variant<glm::dvec3, NumberFault> parse_vector(std::string_view text) {
   if (count < 3)
     return wrong_count(0, text.size(), fmt::format("there {} {} of 3 numbers", count == 1 ? "is" : "are", count));
   return result;
+}
+
+}  // namespace
+
+std::variant<glm::dvec3, NumberFault> parse_vector(std::string_view text) {
+  auto result = three_numbers(text);
+  const auto* const fault = std::get_if<NumberFault>(&result);
+  if (!fault || fault->kind == NumberFault::Kind::not_finite) return result;
+  const std::string hint = hint_at_vector(text);
+  if (hint.empty()) return result;
+  return NumberFault{fault->kind, 0, text.size(),
+                     fmt::format("{} are not three numbers{}", in_quotes(trim(text)), hint)};
 }
 
 bool usable_scale(double component) {

@@ -37,6 +37,10 @@ struct NumberFault {
 /// One number (C locale, '+' allowed), blanks around it. Not finite: infinities, NaN, magnitudes beyond float32.
 std::variant<double, NumberFault> parse_number(std::string_view text);
 
+/// What to write instead of a word that should be a number, as the end of a message: "; decimal numbers have a point:
+/// write 0.5" for "0,5"; empty where nothing is known.
+std::string hint_at_number(std::string_view word);
+
 /// Three numbers, separated by blanks or by one comma with or without blanks.
 std::variant<glm::dvec3, NumberFault> parse_vector(std::string_view text);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "voml/encoding.h"
 #include "voml/glsl_text.h"
 #include "voml/limits.h"
 #include "voml/text.h"
@@ -56,6 +57,32 @@ std::vector<OpenElement> open_elements(std::string_view text, std::size_t stop) 
   return open;
 }
 
+/// The "]]>" that ended a CDATA section before its author wanted it to: the last one before `at`, if only text stands
+/// between the two, and another one follows that no CDATA section has begun for.
+std::optional<std::size_t> early_cdata_end(std::string_view text, std::size_t at) {
+  const std::size_t end = at == 0 ? std::string_view::npos : text.rfind("]]>", at - 1);
+  if (end == std::string_view::npos || text.substr(end, at - end).find('<') != std::string_view::npos)
+    return std::nullopt;
+  const std::size_t second = text.find("]]>", at);
+  if (second == std::string_view::npos || text.substr(at, second - at).find("<![CDATA[") != std::string_view::npos) {
+    return std::nullopt;
+  }
+  const std::size_t begin = text.rfind("<![CDATA[", end);
+  return begin == std::string_view::npos ? std::nullopt : std::optional(end);
+}
+
+constexpr std::string_view cdata_ends_early =
+    "this ']]>' ends the CDATA section, and what follows is read as XML; within GLSL write ']] >'";
+
+/// Whether what stands before the tag at `tag` is text: then its '<' may be meant as one.
+bool is_within_text(std::string_view text, std::size_t tag) {
+  const std::string_view before = trim(text.substr(0, tag));
+  return !before.empty() && before.back() != '>';
+}
+
+constexpr std::string_view less_than_in_text =
+    "; if this '<' is meant as text, write '&lt;', or put the text into <![CDATA[ ]]>";
+
 }  // namespace
 
 std::string_view what_went_wrong(pugi::xml_parse_status status) {
@@ -99,29 +126,41 @@ XmlDocument::XmlDocument(SourceId source, const Diagnostics& diagnostics)
     : source_(source), diagnostics_(&diagnostics), buffer_(diagnostics.source_text(source)) {}
 
 std::unique_ptr<XmlDocument> XmlDocument::parse(SourceId source, std::size_t& elements_left, Diagnostics& diagnostics) {
+  if (!make_utf8(source, diagnostics)) return nullptr;
   std::unique_ptr<XmlDocument> result(new XmlDocument(source, diagnostics));
   const std::string_view text = result->original();
-  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
-    diagnostics.report(Code::not_utf8_text, result->span(0, 0), "this is UTF-16 text; save the file as UTF-8");
-    return nullptr;
-  }
   if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
     diagnostics.report(Code::not_utf8_text, result->span(zero, zero), "there is a zero byte; this is no text file");
     return nullptr;
   }
   const auto parsed = result->document_.load_buffer_inplace(
       result->buffer_.data(), result->buffer_.size(), pugi::parse_default | pugi::parse_fragment, pugi::encoding_utf8);
-  if (!parsed && result->report_parse_error(parsed, diagnostics)) return nullptr;
+  if (!parsed) {
+    result->report_parse_error(parsed, diagnostics);
+    return nullptr;
+  }
   if (!result->check_shape(elements_left, diagnostics)) return nullptr;
   return result;
 }
 
-bool XmlDocument::report_parse_error(const pugi::xml_parse_result& result, Diagnostics& diagnostics) const {
+bool XmlDocument::report_early_cdata_end(std::size_t at, Diagnostics& diagnostics) const {
+  const auto end = early_cdata_end(original(), at);
+  if (end) diagnostics.report(Code::malformed_xml, span(*end, *end + 3), std::string(cdata_ends_early));
+  return end.has_value();
+}
+
+void XmlDocument::report_parse_error(const pugi::xml_parse_result& result, Diagnostics& diagnostics) const {
   const std::string_view text = original();
   const auto at = static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0));
   if (result.status != pugi::status_end_element_mismatch) {
-    diagnostics.report(Code::malformed_xml, span(at, at), std::string(what_went_wrong(result.status)));
-    return true;
+    const std::size_t tag = text.rfind('<', at);
+    if (tag != std::string_view::npos && report_early_cdata_end(tag, diagnostics)) return;
+    const bool in_text = result.status != pugi::status_unrecognized_tag && tag != std::string_view::npos &&
+                         is_within_text(text, tag) && !text.substr(tag).starts_with("<!");
+    diagnostics.report(Code::malformed_xml, in_text ? span(tag, tag + 1) : span(at, at),
+                       in_text ? fmt::format("the tag that begins here cannot be read{}", less_than_in_text)
+                               : std::string(what_went_wrong(result.status)));
+    return;
   }
   const std::vector<OpenElement> open = open_elements(text, at);
   const std::size_t name_end = std::min(text.find_first_of("> \t\r\n", at), text.size());
@@ -129,19 +168,33 @@ bool XmlDocument::report_parse_error(const pugi::xml_parse_result& result, Diagn
   if (open.empty()) {
     diagnostics.report(Code::malformed_xml, span(at, name_end),
                        fmt::format("the closing tag {} closes nothing", closing));
-    return true;
+    return;
   }
   const Span opened = span(open.back().begin, open.back().end);
+  if (report_early_cdata_end(opened.begin - 1, diagnostics)) return;
+  const std::string_view hint = is_within_text(text, opened.begin - 1) ? less_than_in_text : "";
   const std::string opening = in_quotes(text.substr(opened.begin, opened.end - opened.begin));
   const bool at_closing_tag = at >= 2 && text.substr(at - 2, 2) == "</";
   if (!at_closing_tag) {
-    diagnostics.report(Code::malformed_xml, opened, fmt::format("the element {} is never closed", opening));
+    diagnostics.report(Code::malformed_xml, opened, fmt::format("the element {} is never closed{}", opening, hint));
   } else {
     diagnostics.report(Code::malformed_xml, span(at, name_end),
                        fmt::format("the closing tag {} does not close {}, which is open", closing, opening),
-                       {{opened, "opened here"}});
+                       {{opened, fmt::format("opened here{}", hint)}});
   }
-  return true;
+}
+
+/// XML allows no "]]>" in a text; the parser does not mind.
+bool XmlDocument::check_text(pugi::xml_node text, Diagnostics& diagnostics) const {
+  const Span words = text_span(text);
+  const std::size_t found = original().substr(words.begin, words.end - words.begin).find("]]>");
+  if (found == std::string_view::npos) return true;
+  const std::size_t at = words.begin + found;
+  if (!report_early_cdata_end(at, diagnostics)) {
+    diagnostics.report(Code::malformed_xml, span(at, at + 3),
+                       "']]>' closes no CDATA section; as a text it is written ']]&gt;'");
+  }
+  return false;
 }
 
 /// One outermost element, nothing beside it, not too deep, not too many. Without recursion, as depth is not known yet.
@@ -177,6 +230,8 @@ bool XmlDocument::check_shape(std::size_t& elements_left, Diagnostics& diagnosti
         return false;
       }
       --elements_left;
+    } else if (node.type() == pugi::node_pcdata && !check_text(node, diagnostics)) {
+      return false;
     }
     if (node.first_child()) {
       node = node.first_child();

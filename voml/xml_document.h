@@ -42,7 +42,8 @@ std::string_view what_went_wrong(pugi::xml_parse_status status);
 /// A parsed file. Names and values stay where they stood in the file's bytes, so that a pointer is a place.
 class XmlDocument {
  public:
-  /// Parses the registered text of `source`. Errors: E0002..E0005; then the result is empty.
+  /// Parses the registered bytes of `source`, which become UTF-8 (make_utf8). Errors: E0002..E0005, E0010; then the
+  /// result is empty.
   /// `elements_left` is reduced by the number of elements found.
   /// Cost: linear; a second copy of the text.
   static std::unique_ptr<XmlDocument> parse(SourceId source, std::size_t& elements_left, Diagnostics& diagnostics);
@@ -62,7 +63,10 @@ class XmlDocument {
   std::string_view original() const { return diagnostics_->source_text(source_); }
   std::uint32_t offset(const char* p) const { return static_cast<std::uint32_t>(p - buffer_.data()); }
   Span span(std::size_t begin, std::size_t end) const;
-  bool report_parse_error(const pugi::xml_parse_result& result, Diagnostics& diagnostics) const;
+  void report_parse_error(const pugi::xml_parse_result& result, Diagnostics& diagnostics) const;
+  /// If a CDATA section ended too early before the tag, or text, at `at`: reports that.
+  bool report_early_cdata_end(std::size_t at, Diagnostics& diagnostics) const;
+  bool check_text(pugi::xml_node text, Diagnostics& diagnostics) const;
   bool check_shape(std::size_t& elements_left, Diagnostics& diagnostics);
 
   SourceId source_;

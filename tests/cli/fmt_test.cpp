@@ -55,6 +55,25 @@ TEST_CASE("from the standard input to the standard output") {
   CHECK(bad.err.find("<stdin>:1:16: error[E0002]") != std::string::npos);
 }
 
+TEST_CASE("a file in another encoding becomes UTF-8 and says so; one with meaningless bytes stays as it is") {
+  const Folder folder;
+  const std::string body =
+      "<MVV>\n  <OBJECT name=\"%\">\n    <REGION name=\"R\" type=\"empty\"/>\n  </OBJECT>\n</MVV>\n";
+  const auto named = [&](const std::string& name) { return std::string(body).replace(body.find('%'), 1, name); };
+  const std::string latin = "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>\n" + named("Sch\xe4le");
+  const std::string a = folder.write("a.voml", latin);
+  CHECK(run_dmvv({"fmt", "--check", a}).exit_code == 1);
+  CHECK(folder.read("a.voml") == latin);
+  CHECK(run_dmvv({"fmt", a}).exit_code == 0);
+  CHECK(folder.read("a.voml") == "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" + named("Sch\xc3\xa4le"));
+  CHECK(run_dmvv({"fmt", a}).out.empty());
+  const std::string unsaid = named("Sch\xe4le"), b = folder.write("b.voml", unsaid);
+  const Run run = run_dmvv({"fmt", b});
+  CHECK(run.exit_code == 1);
+  CHECK(run.err.find("b.voml:2:20: error[E0003]: the byte e4 is not UTF-8; ") != std::string::npos);
+  CHECK(folder.read("b.voml") == unsaid);
+}
+
 TEST_CASE("a malformed file stays as it is, the others are formatted") {
   const Folder folder;
   const std::string a = folder.write("a.voml", broken), b = folder.write("b.voml", loose);

@@ -102,6 +102,89 @@ TEST_CASE("a mesh with a hole: a warning with the number of open edges, the same
   CHECK((folder.read("a.lxn") == folder.read("b.lxn")));
 }
 
+TEST_CASE("a mesh without inside is an error that names its edges, and leaves no grid") {
+  const Folder folder;
+  const std::string corners =
+      "v -0.5 -0.5 -0.5\nv 0.5 -0.5 -0.5\nv -0.5 0.5 -0.5\nv 0.5 0.5 -0.5\n"
+      "v -0.5 -0.5 0.5\nv 0.5 -0.5 0.5\nv -0.5 0.5 0.5\nv 0.5 0.5 0.5\n";
+  const std::string out_wards = "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+  const std::string inwards = "f 2 4 3 1\nf 7 8 6 5\nf 5 6 2 1\nf 4 8 7 3\nf 3 7 5 1\nf 6 8 4 2\n";
+  const std::string against =
+      "f 4 3 1\nf 1 4 2\nf 8 6 5\nf 5 8 7\nf 6 2 1\nf 1 6 5\nf 8 7 3\nf 3 8 4\nf 7 5 1\nf 1 7 3\nf 8 4 2\nf 2 8 6\n";
+  const std::string first = ", the first from (-0.5 -0.5 -0.5) to (0.5 -0.5 -0.5)\n";
+  const std::pair<std::string, std::string> cases[] = {
+      {out_wards + inwards, "12 edges have more than two triangles" + first},
+      {against, "18 edges lie between two triangles wound against each other" + first}};
+  for (const auto& [faces, words] : cases) {
+    const Run run = run_dmvv({"sdf", folder.write("a.obj", corners + faces), "-o", folder.file("a.lxn"), "--check"});
+    CAPTURE(run.err);
+    CHECK(run.exit_code == 1);
+    CHECK(run.out.empty());
+    CHECK(run.err.find("the mesh has no inside") != std::string::npos);
+    CHECK(run.err.find(words) != std::string::npos);
+    CHECK(run.err.find("open") == std::string::npos);  // no edge is
+    CHECK(folder.listing().size() == 1);
+    const Run info = run_dmvv({"info", folder.file("a.obj")});
+    CHECK(info.out.find("open edges   0\n") != std::string::npos);
+    CHECK(info.out.find("not closed   " + words) != std::string::npos);
+  }
+  CHECK(run_dmvv({"sdf", folder.write("a.obj", corners + out_wards), "-o", folder.file("a.lxn")}).err.empty());
+}
+
+TEST_CASE("a byte order mark, and bytes behind the last triangle: the cube is read; a warning for the latter") {
+  const Folder folder;
+  const std::string plain = folder.write("box.obj", box_obj(-0.5, 0.5));
+  CHECK(run_dmvv({"sdf", plain, "-o", folder.file("a.lxn"), "--resolution", "16"}).err.empty());
+  const std::string marked = folder.write("marked.obj", "\xef\xbb\xbf" + box_obj(-0.5, 0.5));
+  CHECK(run_dmvv({"sdf", marked, "-o", folder.file("b.lxn"), "--resolution", "16"}).err.empty());
+  CHECK((folder.read("a.lxn") == folder.read("b.lxn")));
+
+  const voml::Mesh cube = voml::standard_cube();
+  std::string stl(80, '\0');
+  const auto put = [&](auto value) { stl.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  put(std::uint32_t{12});
+  for (const glm::uvec3& t : cube.triangles) {
+    for (int axis = 0; axis < 3; ++axis) put(0.0f);
+    for (int i = 0; i < 3; ++i) {
+      for (int axis = 0; axis < 3; ++axis) put(static_cast<float>(cube.positions[t[i]][axis]));
+    }
+    put(std::uint16_t{0});
+  }
+  const std::string path = folder.write("cube.stl", stl + std::string(16, 'x'));
+  const Run run = run_dmvv({"sdf", path, "-o", folder.file("c.lxn"), "--resolution", "16"});
+  CHECK(run.exit_code == 0);
+  CHECK(run.err.find("cube.stl: warning[W0600]: the STL file promises 12 triangles; the 16 bytes behind the last one "
+                     "are passed over (at byte 684)") != std::string::npos);
+  CHECK((folder.read("a.lxn") == folder.read("c.lxn")));  // the same cube, fitted
+  CHECK(run_dmvv({"sdf", path, "-o", folder.file("d.lxn"), "--strict"}).exit_code == 1);
+  CHECK(folder.listing().size() == 6);
+}
+
+TEST_CASE("--check tells what was lost: shares as people write them, and a resolution that holds what is told") {
+  const Folder folder;
+  // A plate through a box, 6 by 2 and 0.05 thick: layers of samples 0.22 apart, one on either side of it.
+  const std::string mesh = folder.write(
+      "plate.obj", box_obj(-1, 1) +
+                       "v -3 0 -1\nv 3 0 -1\nv 3 0.05 -1\nv -3 0.05 -1\nv -3 0 1\nv 3 0 1\nv 3 0.05 1\nv -3 0.05 1\n"
+                       "f 9 12 11 10\nf 13 14 15 16\nf 9 10 14 13\nf 12 16 15 11\nf 9 13 16 12\nf 10 11 15 14\n");
+  const Run run = run_dmvv({"sdf", mesh, "-o", folder.file("a.lxn"), "--resolution", "30", "--check"});
+  CAPTURE(run.err);
+  CAPTURE(run.out);
+  REQUIRE(run.exit_code == 0);
+  const std::string words = "  boundary lost    ";
+  REQUIRE(run.out.find(words) != std::string::npos);
+  const std::size_t at = run.out.find("a resolution of ");
+  REQUIRE(at != std::string::npos);
+  const std::string enough = std::to_string(std::stoul(run.out.substr(at + 16)));
+  const Run finer = run_dmvv({"sdf", mesh, "-o", folder.file("a.lxn"), "--resolution", enough, "--check"});
+  CAPTURE(finer.out);
+  REQUIRE(finer.exit_code == 0);
+  CHECK(std::stod(finer.out.substr(finer.out.find(words) + words.size())) <= 1.0);
+  CHECK(finer.out.find("a resolution of ") == std::string::npos);
+  const Run whole = run_dmvv({"sdf", folder.write("box.obj", box_obj(0, 1)), "-o", folder.file("b.lxn"), "--check"});
+  CHECK(whole.out.find("  boundary lost    0 % of the surface\n") != std::string::npos);
+}
+
 TEST_CASE("--check reports on what was written: exact at samples, and where the surface is worst") {
   const Folder folder;
   const std::string mesh = folder.write("box.obj", box_obj(0, 3));

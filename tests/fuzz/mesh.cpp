@@ -17,7 +17,7 @@ void run_mesh(std::string_view bytes) {
   for (const glm::uvec3& t : mesh->triangles) {
     for (int corner = 0; corner < 3; ++corner) must(t[corner] < mesh->positions.size(), "corners exist");
   }
-  voml::count_open_edges(*mesh);
+  voml::find_edge_faults(*mesh).count();
 }
 
 }  // namespace dmvv::fuzz

@@ -2,7 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <random>
+#include <string>
 
 #include "tests/unit/authoring/shapes.h"
 
@@ -58,7 +60,7 @@ TEST_CASE("a box gives its distances to float32 rounding") {
   for (const double padding : {0.0, 0.05, 1.0}) {
     CAPTURE(padding);
     const Made made = make(box(lo, hi), {.resolution = 40, .padding = padding});
-    CHECK(made.report.open_edges == 0);
+    CHECK(made.report.edges.count() == 0);
     double worst = 0.0;
     std::size_t inside = 0;
     for_each_sample(made.grid, [&](const dvec3& p, double value) {
@@ -138,7 +140,7 @@ TEST_CASE("a sphere's grid is off by no more than its mesh is") {
 
 TEST_CASE("a torus has its hole and no wrong sign") {
   const Made made = make(torus(0.4, 200, 100), {.resolution = 60});
-  CHECK(made.report.open_edges == 0);
+  CHECK(made.report.edges.count() == 0);
   double worst = 0.0;
   for_each_sample(made.grid, [&](const dvec3& p, double value) {
     const double exact = made.report.cube_from_mesh_scale * torus_distance(mesh_point(made.report, p), 0.4);
@@ -163,7 +165,7 @@ TEST_CASE("holes do not flip the sign: 5 % of the triangles missing, at most 0.5
   std::erase_if(mesh.triangles, [&](const glm::uvec3&) { return random() % 20 == 0; });
   for (const voml::Mesh& open : {mesh, inside_out(mesh)}) {
     const Made made = make(open, {.resolution = 48});
-    CHECK(made.report.open_edges > 1000);
+    CHECK(made.report.edges.count() > 1000);
     const std::size_t wrong = wrong_signs(made, 1e-3, [](const dvec3& p) { return torus_distance(p, 0.4); });
     CHECK(wrong <= made.grid.values.size() / 200);
   }
@@ -172,7 +174,7 @@ TEST_CASE("holes do not flip the sign: 5 % of the triangles missing, at most 0.5
 TEST_CASE("a stray open shell beside a body does not flip it") {
   voml::Mesh sheet{{{-1.5, -1, 1.2}, {1.5, -1, 1.2}, {0, 1.5, 1.2}}, {{0, 1, 2}}};
   const Made made = make(joined(sphere(4), sheet), {.resolution = 40});
-  CHECK(made.report.open_edges == 3);
+  CHECK(made.report.edges.count() == 3);
   CHECK(wrong_signs(made, 5e-3, [](const dvec3& p) { return glm::length(p) - 1.0; }) == 0);
 }
 
@@ -200,16 +202,15 @@ TEST_CASE("any number of threads gives the same bytes") {
   }
 }
 
-TEST_CASE("a flat mesh has distances and no inside") {
+TEST_CASE("a flat mesh has no inside") {
   const voml::Mesh flat{{{0, 0, 5}, {1, 0, 5}, {1, 1, 5}, {0, 1, 5}}, {{0, 1, 2}, {0, 2, 3}}};
-  const Made made = make(flat, {.resolution = 16, .padding = 0.0});
-  CHECK(made.grid.size == glm::uvec3(16, 16, 1));
-  for (const float value : made.grid.values) REQUIRE(std::abs(value) < 1e-15f);
-  const Made padded = make(flat, {.resolution = 16, .padding = 0.5});
-  CHECK(padded.grid.size == glm::uvec3(16, 16, 8));
-  for_each_sample(padded.grid, [&](const dvec3& p, double value) {
-    REQUIRE(value == doctest::Approx(glm::length(glm::max(glm::abs(p) - dvec3(0.5, 0.5, 0), 0.0))).epsilon(1e-6));
-  });
+  for (const double padding : {0.0, 0.5}) {
+    GridReport report;
+    const auto grid = authoring::distance_grid(flat, {.resolution = 16, .padding = padding}, report);
+    REQUIRE_FALSE(grid.has_value());
+    CHECK(grid.error().message == "the mesh has no inside");
+    CHECK(report.edges.open.count == 4);
+  }
 }
 
 TEST_CASE("progress rises to the whole") {
@@ -250,6 +251,85 @@ TEST_CASE("what no grid can be made of is refused") {
   refused(cube, {.padding = -0.1}, "padding");
   refused(cube, {.padding = 1.5}, "padding");
   refused(cube, {.padding = NAN}, "padding");
+}
+
+// ---- meshes without inside ----
+
+namespace {
+
+/// A cube of edge 1 made of quads; 1-based corners as OBJ files have them.
+voml::Mesh cube_of(const std::vector<std::array<std::uint32_t, 3>>& faces) {
+  voml::Mesh mesh;
+  for (int i = 0; i < 8; ++i) mesh.positions.emplace_back((i & 1) - 0.5, (i >> 1 & 1) - 0.5, (i >> 2) - 0.5);
+  for (const auto& f : faces) mesh.triangles.emplace_back(f[0] - 1, f[1] - 1, f[2] - 1);
+  return mesh;
+}
+
+std::vector<std::string> refusal(const voml::Mesh& mesh, const GridOptions& options, const std::string& message) {
+  authoring::GridReport report;
+  const auto grid = authoring::distance_grid(mesh, options, report);
+  REQUIRE_FALSE(grid.has_value());
+  CHECK(grid.error().fault == Fault::input);
+  CHECK(grid.error().message == message);
+  return grid.error().reasons;
+}
+
+}  // namespace
+
+TEST_CASE("a cube whose faces are there twice, or wound against each other, has no inside: which edges say so") {
+  // Fans of the quads 1 3 4 2, 5 6 8 7, 1 2 6 5, 3 7 8 4, 1 5 7 3, 2 4 8 6, and of the same turned around from another
+  // corner.
+  const voml::Mesh twice =
+      cube_of({{1, 3, 4}, {1, 4, 2}, {5, 6, 8}, {5, 8, 7}, {1, 2, 6}, {1, 6, 5}, {3, 7, 8}, {3, 8, 4},
+               {1, 5, 7}, {1, 7, 3}, {2, 4, 8}, {2, 8, 6}, {2, 4, 3}, {2, 3, 1}, {7, 8, 6}, {7, 6, 5},
+               {5, 6, 2}, {5, 2, 1}, {4, 8, 7}, {4, 7, 3}, {3, 7, 5}, {3, 5, 1}, {6, 8, 4}, {6, 4, 2}});
+  const auto doubled = refusal(twice, {.resolution = 24}, "the mesh has no inside");
+  REQUIRE(doubled.size() == 2);  // a cube has 12 edges, each with two faces, each there twice
+  CHECK(doubled[0] == "12 edges have more than two triangles, the first from (-0.5 -0.5 -0.5) to (0.5 -0.5 -0.5)");
+  CHECK(doubled[1].find("there twice") != std::string::npos);
+
+  const voml::Mesh against = cube_of({{4, 3, 1},
+                                      {1, 4, 2},
+                                      {8, 6, 5},
+                                      {5, 8, 7},
+                                      {6, 2, 1},
+                                      {1, 6, 5},
+                                      {8, 7, 3},
+                                      {3, 8, 4},
+                                      {7, 5, 1},
+                                      {1, 7, 3},
+                                      {8, 4, 2},
+                                      {2, 8, 6}});
+  const auto opposed = refusal(against, {.resolution = 24}, "the mesh has no inside that its faces agree on");
+  REQUIRE(opposed.size() == 2);  // 12 edges and 6 diagonals
+  CHECK(opposed[0] ==
+        "18 edges lie between two triangles wound against each other, the first from (-0.5 -0.5 -0.5) to (0.5 -0.5 "
+        "-0.5)");
+  CHECK(opposed[1].find("turn all faces outwards") != std::string::npos);
+}
+
+TEST_CASE("a sheet has no inside because it is open; a sheet of two sides encloses nothing") {
+  const voml::Mesh sheet{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0.1}}, {{0, 1, 2}}};
+  const auto open = refusal(sheet, {.resolution = 16}, "the mesh has no inside");
+  REQUIRE(open.size() == 2);
+  CHECK(open[0] == "3 open edges, with a triangle on one side only, the first from (0 0 0) to (1 0 0)");
+  const voml::Mesh two_sides{sheet.positions, {{0, 1, 2}, {0, 2, 1}}};
+  CHECK(refusal(two_sides, {.resolution = 16}, "the mesh has no inside") ==
+        std::vector<std::string>{"its surface is closed, but encloses no volume"});
+}
+
+TEST_CASE("a plate between two layers of samples: refused with a resolution that is enough") {
+  // Across it the box, 0.2 high with its padding, has an even number of layers: none in the middle, where the plate is.
+  const voml::Mesh plate = box({-1, -1, -0.002}, {1, 1, 0.002});
+  const auto reasons = refusal(plate, {.resolution = 20, .padding = 0.1},
+                               "no sample of the grid lies inside the mesh, which is thinner than a voxel");
+  REQUIRE(reasons.size() == 1);
+  const std::string words = "a resolution of ";
+  REQUIRE(reasons[0].starts_with(words));
+  const auto enough = static_cast<std::uint32_t>(std::stoul(reasons[0].substr(words.size())));
+  CHECK(enough > 20);
+  CHECK(enough <= 600);  // a voxel of 2 * 1.2 / 600 is as thick as the plate
+  CHECK(make(plate, {.resolution = std::min(enough, 512u), .padding = 0.1}).grid.values.size() > 0);
 }
 
 }  // namespace dmvv::test

@@ -27,7 +27,7 @@ voml::Grid make(const voml::Mesh& mesh, authoring::GridReport& report) {
   auto grid = authoring::distance_grid(mesh, {.resolution = 64}, report);
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
   REQUIRE(grid.has_value());
-  MESSAGE(grid->size.x, " x ", grid->size.y, " x ", grid->size.z, " samples, ", report.open_edges,
+  MESSAGE(grid->size.x, " x ", grid->size.y, " x ", grid->size.z, " samples, ", report.edges.count(),
           " open edges: ", 1e3 * taken.count(), " ms");
   return std::move(*grid);
 }
@@ -40,7 +40,7 @@ TEST_CASE("the skull's grid agrees with brute force, with the known volume, and 
   CHECK(mesh.triangles.size() == 100002);
   authoring::GridReport report;
   const voml::Grid grid = make(mesh, report);
-  CHECK(report.open_edges == 0);
+  CHECK(report.edges.count() == 0);
 
   const voml::Mesh placed = transformed(mesh, report.cube_from_mesh_scale, report.cube_from_mesh_offset);
   const std::vector<authoring::Corners> triangles = corners_of(placed);
@@ -67,7 +67,7 @@ TEST_CASE("the skull's grid agrees with brute force, with the known volume, and 
   voml::Mesh torn = mesh;
   std::erase_if(torn.triangles, [&](const glm::uvec3&) { return random() % 20 == 0; });
   const voml::Grid torn_grid = make(torn, report);
-  CHECK(report.open_edges > 10000);
+  CHECK(report.edges.count() > 10000);
   REQUIRE(torn_grid.size == grid.size);  // the outermost vertices are still in use
   std::size_t flipped = 0;
   for (std::size_t i = 0; i < grid.values.size(); ++i) {

@@ -3,9 +3,13 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>
+#include <map>
+#include <utility>
 
 using namespace dmvv;
 using namespace dmvv::authoring;
@@ -32,12 +36,39 @@ double volume(const voml::Mesh& mesh) {
 
 constexpr double pi = 3.14159265358979323846;
 
+/// What surface_mesh promises: no vertex twice, triangles with an area, each edge passed as often one way as the other,
+/// in numbers of float32.
+void check_sound(const voml::Mesh& mesh) {
+  std::map<std::array<double, 3>, int> places;
+  for (const glm::dvec3& p : mesh.positions) {
+    ++places[{p.x, p.y, p.z}];
+    CHECK(glm::dvec3(glm::vec3(p)) == p);
+  }
+  CHECK(places.size() == mesh.positions.size());
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> balance;
+  std::vector<bool> used(mesh.positions.size(), false);
+  std::size_t without_area = 0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 a = mesh.positions[t.x];
+    without_area += glm::length(glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a)) > 0.0 ? 0 : 1;
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t from = t[k], to = t[(k + 1) % 3];
+      used[from] = true;
+      balance[{std::min(from, to), std::max(from, to)}] += from < to ? 1 : -1;
+    }
+  }
+  CHECK(without_area == 0);
+  CHECK(std::ranges::all_of(balance, [](const auto& edge) { return edge.second == 0; }));
+  CHECK(std::ranges::all_of(used, [](bool is_used) { return is_used; }));
+}
+
 }  // namespace
 
 TEST_CASE("a ball: closed, its corners within and near the surface, its volume") {
   const auto ball = [](const glm::dvec3& p) { return glm::length(p - glm::dvec3(0.1, -0.05, 0.2)) - 0.7; };
   const auto mesh = surface_mesh(test_of(ball), {48}).value();
-  CHECK(voml::count_open_edges(mesh) == 0);
+  check_sound(mesh);
+  CHECK(voml::find_edge_faults(mesh).count() == 0);
   for (const glm::dvec3& p : mesh.positions) {
     CHECK(ball(p) <= 0.0);
     CHECK(ball(p) > -2.0 / 48 / 100);
@@ -48,10 +79,10 @@ TEST_CASE("a ball: closed, its corners within and near the surface, its volume")
 
 TEST_CASE("what meets the cube is closed by its faces; the whole cube is the cube") {
   const auto half = surface_mesh(test_of([](const glm::dvec3& p) { return p.x + p.y - 0.123; }), {24}).value();
-  CHECK(voml::count_open_edges(half) == 0);
+  CHECK(voml::find_edge_faults(half).count() == 0);
   CHECK(volume(half) == doctest::Approx(4.0 + 2.0 * 0.246 - 0.123 * 0.123).epsilon(0.01));
   const auto cube = surface_mesh(test_of([](const glm::dvec3&) { return -1.0; }), {9}).value();
-  CHECK(voml::count_open_edges(cube) == 0);
+  CHECK(voml::find_edge_faults(cube).count() == 0);
   CHECK(volume(cube) == doctest::Approx(8.0).epsilon(0.02));
 }
 
@@ -62,7 +93,8 @@ TEST_CASE("a thin rod that leaves a ball is followed to its end, though large ce
     return std::min(ball, glm::length(q) - 0.05);
   };
   const auto mesh = surface_mesh(test_of(shape), {64}).value();
-  CHECK(voml::count_open_edges(mesh) == 0);
+  check_sound(mesh);
+  CHECK(voml::find_edge_faults(mesh).count() == 0);
   CHECK(voml::bounds(mesh).hi.x == doctest::Approx(0.88).epsilon(0.005));
 }
 
@@ -73,7 +105,8 @@ TEST_CASE("triangles of a hollow surface stay within it") {
     return std::max({dents, std::abs(p.z - 0.003) - 0.487, std::hypot(p.x, p.y) - 0.79});
   };
   const auto mesh = surface_mesh(test_of(shape), {48}).value();
-  CHECK(voml::count_open_edges(mesh) == 0);
+  check_sound(mesh);
+  CHECK(voml::find_edge_faults(mesh).count() == 0);
   std::size_t hollow = 0, outside = 0;
   for (const glm::uvec3& t : mesh.triangles) {
     const glm::dvec3 middle = (mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0;
@@ -83,6 +116,42 @@ TEST_CASE("triangles of a hollow surface stay within it") {
   }
   CHECK(hollow > 500);
   CHECK(outside == 0);
+}
+
+TEST_CASE("no triangle without area, wherever nodes lie on the surface") {
+  const auto box = [](const glm::dvec3& p, double half) {
+    return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) - half;
+  };
+  struct Case {
+    std::function<double(const glm::dvec3&)> shape;
+    double volume;
+    double tolerance;
+  };
+  const Case cases[] = {
+      {[](const glm::dvec3&) { return -1.0; }, 8.0, 1e-6},
+      {[&](const glm::dvec3& p) { return box(p, 0.5); }, 1.0, 1e-6},  // faces, edges and corners on nodes
+      {[](const glm::dvec3& p) { return p.x; }, 4.0, 1e-6},
+      {[](const glm::dvec3& p) { return p.x + p.y + p.z; }, 4.0, 1e-2},  // through nodes, along diagonals
+      {[](const glm::dvec3& p) { return std::abs(p.x) + std::abs(p.y) + std::abs(p.z) - 0.75; }, 4.0 / 3.0 * 0.421875,
+       1e-2},
+      {[](const glm::dvec3& p) { return glm::length(p) - 0.5; }, 4.0 / 3.0 * pi * 0.125, 2e-2},
+      {[](const glm::dvec3& p) { return std::hypot(p.x, p.y) - 0.25; }, pi * 0.0625 * 2.0, 3e-2},
+      {[&](const glm::dvec3& p) { return std::min(box(p - 0.5, 0.25), box(p, 0.25)); }, 0.25,
+       1e-3},  // touch at a corner
+      {[](const glm::dvec3& p) { return std::abs(p.z) - 0.125; }, 1.0, 1e-6}};
+  for (const Case& c : cases) {
+    CAPTURE(&c - cases);
+    const auto mesh = surface_mesh(test_of(c.shape), {32}).value();
+    REQUIRE_FALSE(mesh.triangles.empty());
+    check_sound(mesh);
+    CHECK(volume(mesh) == doctest::Approx(c.volume).epsilon(c.tolerance));
+    for (const glm::dvec3& p : mesh.positions) CHECK(c.shape(p) <= 0.0);
+  }
+  // Resolutions at which nodes are no numbers of float32.
+  for (const std::uint32_t resolution : {9u, 21u, 49u}) {
+    check_sound(surface_mesh(test_of([&](const glm::dvec3& p) { return box(p, 0.5); }), {resolution}).value());
+    check_sound(surface_mesh(test_of([](const glm::dvec3&) { return -1.0; }), {resolution}).value());
+  }
 }
 
 TEST_CASE("nothing, a resolution out of range, a test that fails") {

@@ -21,7 +21,7 @@ TEST_CASE("the standard cube is closed, faces outwards and spans -1 to 1") {
   CHECK(cube.positions.size() == 8);
   CHECK(cube.triangles.size() == 12);
   CHECK(signed_volume(cube) == doctest::Approx(8.0));
-  CHECK(voml::count_open_edges(cube) == 0);
+  CHECK(voml::find_edge_faults(cube).count() == 0);
   CHECK(voml::bounds(cube).lo == glm::dvec3(-1.0));
   CHECK(voml::bounds(cube).hi == glm::dvec3(1.0));
   for (const glm::uvec3& t : cube.triangles) {
@@ -48,7 +48,7 @@ TEST_CASE("parts of positive volume look outward, voids do not") {
   };
   add_cube(0.5, 0.1, true);
   add_cube(2.0, 9.0, false);
-  REQUIRE(voml::count_open_edges(mesh) == 0);
+  REQUIRE(voml::find_edge_faults(mesh).count() == 0);
   std::vector<bool> expected(36, true);
   std::fill_n(expected.begin() + 12, 12, false);
   CHECK(voml::outward_triangles(mesh) == expected);
@@ -57,18 +57,24 @@ TEST_CASE("parts of positive volume look outward, voids do not") {
 TEST_CASE("open edges: a missing triangle leaves three, a lone one has three") {
   voml::Mesh cube = voml::standard_cube();
   cube.triangles.pop_back();
-  CHECK(voml::count_open_edges(cube) == 3);
+  CHECK(voml::find_edge_faults(cube).count() == 3);
+  CHECK(voml::find_edge_faults(cube).open.count == 3);
   cube.triangles.resize(1);
-  CHECK(voml::count_open_edges(cube) == 3);
+  CHECK(voml::find_edge_faults(cube).count() == 3);
 }
 
-TEST_CASE("open edges: a triangle turned around disagrees with its three neighbours") {
+TEST_CASE("edges' faults: a triangle turned around disagrees with its three neighbours") {
   voml::Mesh cube = voml::standard_cube();
   std::swap(cube.triangles[5].x, cube.triangles[5].y);
-  CHECK(voml::count_open_edges(cube) == 3);
+  const voml::EdgeFaults faults = voml::find_edge_faults(cube);
+  CHECK(faults.count() == 3);
+  CHECK(faults.opposed.count == 3);
+  REQUIRE(voml::describe(faults).size() == 1);
+  CHECK(voml::describe(faults)[0].starts_with(
+      "3 edges lie between two triangles wound against each other, the first from ("));
 }
 
-TEST_CASE("open edges: four triangles at an edge are counted, split vertices are not") {
+TEST_CASE("edges' faults: four triangles at an edge are counted, split vertices are not") {
   voml::Mesh cube = voml::standard_cube();
   // A second cube that shares the edge x = y = 1.
   voml::Mesh second = cube;
@@ -76,7 +82,11 @@ TEST_CASE("open edges: four triangles at an edge are counted, split vertices are
   voml::Mesh both = cube;
   both.positions.insert(both.positions.end(), second.positions.begin(), second.positions.end());
   for (const glm::uvec3& t : second.triangles) both.triangles.push_back(t + 8u);
-  CHECK(voml::count_open_edges(both) == 1);
+  const voml::EdgeFaults faults = voml::find_edge_faults(both);
+  CHECK(faults.count() == 1);
+  CHECK(faults.crowded.count == 1);
+  CHECK(voml::describe(faults) ==
+        std::vector<std::string>{"1 edge has more than two triangles, from (1 1 -1) to (1 1 1)"});
 
   voml::Mesh split;
   for (const glm::uvec3& t : cube.triangles) {
@@ -84,14 +94,14 @@ TEST_CASE("open edges: four triangles at an edge are counted, split vertices are
     for (int corner = 0; corner < 3; ++corner) split.positions.push_back(cube.positions[t[corner]]);
     split.triangles.emplace_back(first, first + 1, first + 2);
   }
-  CHECK(voml::count_open_edges(split) == 0);
+  CHECK(voml::find_edge_faults(split).count() == 0);
 }
 
-TEST_CASE("open edges: a triangle without area neither opens nor closes anything") {
+TEST_CASE("edges' faults: a triangle without area neither opens nor closes anything") {
   voml::Mesh cube = voml::standard_cube();
   cube.triangles.emplace_back(0, 1, 1);
   cube.triangles.emplace_back(2, 2, 2);
-  CHECK(voml::count_open_edges(cube) == 0);
+  CHECK(voml::find_edge_faults(cube).count() == 0);
 }
 
 }  // namespace dmvv::test

@@ -34,6 +34,20 @@ inline voml::Mesh mesh_of(const std::string& path, std::string_view bytes) {
   return std::move(*parsed.mesh);
 }
 
+/// The mesh of a file whose one diagnostic is this warning.
+inline voml::Mesh mesh_with_warning(const std::string& path, std::string_view bytes, Code code,
+                                    const std::string& message) {
+  Parsed parsed = parse(path, bytes);
+  INFO(parsed.diagnostics.render());
+  REQUIRE(parsed.mesh.has_value());
+  REQUIRE(parsed.diagnostics.all().size() == 1);
+  const Diagnostic& warning = parsed.diagnostics.all()[0];
+  CHECK(warning.severity == Severity::warning);
+  CHECK(info(warning.code).name == info(code).name);
+  CHECK(warning.message == message);
+  return std::move(*parsed.mesh);
+}
+
 /// The one diagnostic of a file that must be refused.
 inline Diagnostic refusal_of(const Parsed& parsed) {
   CHECK_FALSE(parsed.mesh.has_value());

@@ -88,7 +88,7 @@ void check_view(View view, const voml::Mesh& mesh, const std::string& name) {
   view.shading = runtime::Shading::none;
   const Picture positions = render(view, Show::position);
   CHECK(compare_with_rays(view, mesh, positions) < 0.05);
-  CHECK(positions.open_edges == 0);
+  CHECK(positions.edges.count() == 0);
   view.shading = runtime::Shading::lit;
   view.size_px *= 3u;
   must(runtime::write_picture((scratch() / (name + ".png")).string(), render(view, Show::checker)));
@@ -140,7 +140,7 @@ TEST_CASE("sections of curved and hollow solids") {
   const voml::Mesh ring = torus(0.65, 0.3, 24);
   const voml::Mesh hollow = join(sphere(0.9, {0.0, 0.0, 0.0}, 10), sphere(0.6, {0.05, 0.0, 0.0}, 10), true);
   const voml::Mesh nested = join(sphere(0.9, {0.0, 0.0, 0.0}, 10), sphere(0.6, {0.05, 0.0, 0.0}, 10), false);
-  CHECK(voml::count_open_edges(ball) == 0);
+  CHECK(voml::find_edge_faults(ball).count() == 0);
   check_view(view_from({2.5, 3.0, 4.0}), ball, "ball");
   check_view(view_from({2.5, 3.0, 4.0}, {{{0.3, 0.2, 1.0}, 0.1}}), ball, "ball_cut");
   check_view(view_from({2.5, 3.0, 4.0}), ring, "torus");
@@ -503,7 +503,7 @@ TEST_CASE("an open mesh is drawn from both sides, and its cut says so") {
   const glm::vec4 back = color_at(inside, 45 * 121 + 60);  // through the missing front: the inside of the back
   CHECK(back == glm::vec4(0.0f, 0.0f, 1.0f, 1.0f));
   view.cuts = {{{0.0, 1.0, 0.0}, 0.5}};
-  CHECK(render(view, Show::position).open_edges == 4);
+  CHECK(render(view, Show::position).edges.open.count == 4);
 }
 
 TEST_CASE("views that cannot be drawn are refused with the numbers") {

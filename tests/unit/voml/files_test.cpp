@@ -64,3 +64,29 @@ TEST_CASE("files in memory behave like files on disk") {
   CHECK(read("a", 3).error().message == "cannot read 'a': it is a directory");
   CHECK(read("a/b.txt", 2).error().message == "cannot read 'a/b.txt': it has 3 bytes, at most 2 are allowed");
 }
+
+TEST_CASE("a file that is missing: the one that may be meant is offered, on disk and in memory") {
+  const Folder folder;
+  fs::create_directories(folder.path / "Sub");
+  for (const char* name : {"skin.lxn", "Sub/grid.lxn"}) REQUIRE(write_file(folder / name, "1").has_value());
+  const std::string root = folder.path.string();
+  const ReadFile sources[] = {disk_files(), memory_files({{root + "/skin.lxn", "1"}, {root + "/Sub/grid.lxn", "1"}})};
+  for (const ReadFile& read : sources) {
+    const auto message = [&](const std::string& name) {
+      const std::string path = root + "/" + name, whole = read(path, 9).error().message;
+      REQUIRE(whole.starts_with("cannot read '" + path + "': no such file"));
+      return whole.substr(("cannot read '" + path + "': no such file").size());
+    };
+    const auto meant = [&](const std::string& name) { return "; did you mean '" + root + "/" + name + "'?"; };
+    CHECK(message("Skin.LXN") == meant("skin.lxn"));
+    CHECK(message("sub/GRID.lxn") == meant("Sub/grid.lxn"));
+    CHECK(message("skn.lxn") == meant("skin.lxn"));
+    CHECK(message("skin.png") == "");
+    CHECK(message("bone.lxn") == "");
+    const std::string cause = "; '/' separates folders, not '\\'";
+    CHECK(message("Sub\\grid.lxn") == cause + meant("Sub/grid.lxn"));
+    CHECK(message("sub\\grid.lxn") == cause + meant("Sub/grid.lxn"));
+    CHECK(message("C:\\scenes\\skin.lxn") == cause + meant("skin.lxn"));
+    CHECK(message("a\\b\\bone.lxn") == cause + ": write '" + root + "/a/b/bone.lxn'");
+  }
+}

@@ -73,3 +73,29 @@ TEST_CASE("long chains are shortened in the middle") {
   const std::vector<std::string_view> chain(100, "X");
   CHECK(shortened_chain(chain) == "X -> X -> X -> X -> X -> X -> (88 more) -> X -> X -> X -> X -> X -> X");
 }
+
+TEST_CASE("commas in numbers, typographic minus signs and semicolons: the message says what to write") {
+  const auto message = [](std::string_view text) { return fault(text).message; };
+  const std::string point = " are not three numbers; decimal numbers have a point: write ";
+  CHECK(message("0,5 0,5 0,5") == "'0,5 0,5 0,5'" + point + "'0.5 0.5 0.5'");
+  CHECK(message("0,5, 0,5, -1,25e2") == "'0,5, 0,5, -1,25e2'" + point + "'0.5 0.5 -1.25e2'");
+  CHECK(message("1,5 2 3") == "'1,5 2 3'" + point + "'1.5 2 3'");
+  CHECK(message("0,5;1;2") == "'0,5;1;2'" + point + "'0.5 1 2'");
+  CHECK(message("1;0;0") == "'1;0;0' are not three numbers; blanks part the numbers: write '1 0 0'");
+  CHECK(message("\xe2\x88\x92"
+                "1 0 0") ==
+        "'\xe2\x88\x92"
+        "1 0 0' are not three numbers; the minus is '-': write '-1 0 0'");
+  CHECK(message("1 2 3 4") == "there are more than three numbers");
+  CHECK(message("1 2 3,") == "there is no number beside this comma");
+  CHECK(message("1e39 0 0") == "'1e39' is not a finite float32 number");
+  CHECK(std::get<glm::dvec3>(parse_vector("0,5 1")) == glm::dvec3(0, 5, 1));  // commas part numbers as well
+  CHECK(std::get<NumberFault>(parse_number("0,5")).message ==
+        "'0,5' is not a number; decimal numbers have a point: write 0.5");
+  CHECK(std::get<NumberFault>(parse_number("\xe2\x88\x92"
+                                           "2"))
+            .message ==
+        "'\xe2\x88\x92"
+        "2' is not a number; the minus is '-': write -2");
+  CHECK(std::get<NumberFault>(parse_number("1,2,3")).message == "'1,2,3' is not a number");
+}
