@@ -16,6 +16,7 @@
 #include "compiler/snippet/probe_points.h"
 #include "compiler/snippet/read_spirv.h"
 #include "compiler/snippet/snippet.h"
+#include "compiler/snippet/unset_reads.h"
 
 namespace dmvv::compiler::snippet {
 namespace {
@@ -126,6 +127,9 @@ class Compilation {
   void report_recursion(std::string_view list);
   void report_missing_returns(const std::vector<std::uint32_t>& spirv);
   void report_unreadable(const Error& error);
+  void report_unset(const std::vector<std::uint32_t>& spirv, bool uses_time);
+  const Token* mention_near(std::uint32_t line, std::string_view name) const;
+  const Token* declaration_before(const Token& use) const;
   void probe(const Snippet& snippet);
 
   std::vector<std::string_view> known_names(bool functions) const;
@@ -426,6 +430,52 @@ void Compilation::report_unreadable(const Error& error) {
   diagnostics_.report(Code::snippet_refused, body_words(), error.message, std::move(notes));
 }
 
+// ---- variables that are read before they are set ----
+
+/// The mention of a name that is nearest to a line of the shader, in the line's statement.
+const Token* Compilation::mention_near(std::uint32_t line, std::string_view name) const {
+  if (line == 0 || line > shader_.lines.size()) return nullptr;
+  const auto is_here = [&](std::size_t i) {
+    const Line& other = shader_.lines[i];
+    return other.statement == shader_.lines[line - 1].statement && !other.behind && other.token->word == name;
+  };
+  for (std::size_t away = 0; away < shader_.lines.size(); ++away) {
+    if (line - 1 + away < shader_.lines.size() && is_here(line - 1 + away)) return shader_.lines[line - 1 + away].token;
+    if (away < line && is_here(line - 1 - away)) return shader_.lines[line - 1 - away].token;
+  }
+  return nullptr;
+}
+
+const Token* Compilation::declaration_before(const Token& use) const {
+  const std::vector<Token>& tokens = prepared_.texts[use.text].tokens;
+  for (auto i = static_cast<std::size_t>(&use - tokens.data()) + 1; i-- > 0;) {
+    if (!tokens[i].is(use.word)) continue;
+    const bool follows_comma = i > 0 && tokens[i - 1].is(",") && i + 1 < tokens.size() &&
+                               (tokens[i + 1].is(",") || tokens[i + 1].is(";") || tokens[i + 1].is("="));
+    if (follows_comma || is_declaration(tokens, i)) return &tokens[i];
+  }
+  return nullptr;
+}
+
+void Compilation::report_unset(const std::vector<std::uint32_t>& spirv, bool uses_time) {
+  for (const UnsetRead& read : find_unset_reads(shader_.glsl, spirv)) {
+    const Token* mention = mention_near(read.variable.line, read.variable.name);
+    const std::string where = describe(read.p, read.t_ms, uses_time);
+    const std::string_view name = mention != nullptr ? mention->author : std::string_view(read.variable.name);
+    std::string message =
+        read.variable.is_out
+            ? fmt::format("the 'out' parameter '{}' is not set on every way through its function, as at {}; set it first",
+                          name, where)
+            : fmt::format("the variable '{}' is read before it is set, as at {}; give it a value where it is declared", name,
+                          where);
+    const Token* declared = mention != nullptr ? declaration_before(*mention) : nullptr;
+    std::vector<Note> notes;
+    if (declared != nullptr && declared != mention) notes.push_back({span_of(*declared), "it is declared here"});
+    diagnostics_.report(Code::snippet_unset_variable, mention != nullptr ? span_of(*mention) : body_words(),
+                        std::move(message), std::move(notes));
+  }
+}
+
 /// Tries the snippet where it will be asked: refuses loops that do not end, warns of values that are no distances.
 void Compilation::probe(const Snippet& snippet) {
   std::string not_finite;
@@ -482,6 +532,7 @@ std::optional<Snippet> Compilation::run() {
   }
   probe(snippet);
   if (errors_ != 0) return std::nullopt;
+  report_unset(compiled.spirv, snippet.uses_time());
   return snippet;
 }
 

@@ -19,7 +19,8 @@ namespace {
 
 constexpr std::size_t max_depth = 200;
 constexpr std::size_t max_chain = 16;  ///< cases of a switch that become else-ifs
-constexpr std::uint64_t max_instructions = 1u << 16;
+constexpr std::uint64_t max_instructions = 1u << 19;        ///< of the program; an evaluation may execute twice as many
+constexpr std::uint64_t max_spirv_instructions = 1u << 20;  ///< after inlining; some 5 a statement
 
 class Reader {
  public:
@@ -73,11 +74,10 @@ class Reader {
         }
       }
     }
+    std::set<Register> overwritten;
+    for (const auto& assignment : assignments) overwritten.insert(assignment.first);
     for (auto& [target, source] : assignments) {  // sources that are overwritten on the way are kept aside
-      const Register read = source;
-      const bool overwritten =
-          std::any_of(assignments.begin(), assignments.end(), [&](const auto& other) { return other.first == read; });
-      if (overwritten) source = builder_.copy(read);
+      if (overwritten.contains(source)) source = builder_.copy(source);
     }
     for (const auto& [target, source] : assignments) builder_.assign(target, source);
   }
@@ -436,7 +436,7 @@ Result<Words> prepare(std::span<const std::uint32_t> spirv) {
 }  // namespace
 
 Result<Program> read_spirv(std::span<const std::uint32_t> spirv) {
-  if (const auto calls = check_calls(spirv, max_instructions); !calls) return tl::unexpected<Error>(calls.error());
+  if (const auto calls = check_calls(spirv, max_spirv_instructions); !calls) return tl::unexpected<Error>(calls.error());
   const auto prepared = prepare(spirv);
   if (!prepared) return tl::unexpected<Error>(prepared.error());
   const auto module = parse_spirv(*prepared);
