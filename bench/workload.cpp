@@ -229,13 +229,18 @@ std::string expression_text(std::uint32_t operations) {
   const std::uint32_t stroke_count = operations > operations_before ? (operations - operations_before) / operations_a_stroke : 0;
   if (stroke_count != 0) {
     const Strokes strokes = strokes_of_text(stroke_count);
-    for (const auto& [from, to] : strokes.ends) {
+    double i = 0.0;
+    for (const auto& [begin, end] : strokes.ends) {
+      // As if written by hand: no two sides lie on one line, so that no operation is done twice.
+      const glm::dvec2 from = begin + 0.1 * strokes.unit * glm::dvec2(std::sin(7.1 * i), std::sin(3.3 * i));
+      const glm::dvec2 to = end + 0.1 * strokes.unit * glm::dvec2(std::sin(2.7 * i), std::sin(5.9 * i));
+      i += 1.0;
       const glm::dvec2 along = glm::normalize(to - from), across(along.y, -along.x);
-      const auto beyond = [&](const glm::dvec2& normal, const glm::dvec2& end) {  // of a side of the stroke
+      const auto beyond = [&](const glm::dvec2& normal, const glm::dvec2& corner) {  // of a side of the stroke
         const std::string a = operation(fmt::format("{:.6f} * {}", normal.x, x));
         const std::string b = operation(fmt::format("{:.6f} * {}", normal.y, y));
         const std::string sum = operation(a + " + " + b);
-        return operation(fmt::format("{} - {:.6f}", sum, glm::dot(normal, end) + 0.25 * strokes.unit));
+        return operation(fmt::format("{} - {:.6f}", sum, glm::dot(normal, corner) + 0.25 * strokes.unit));
       };
       const std::string first = beyond(along, to), last = beyond(-along, from);
       const std::string left = beyond(across, from), right = beyond(-across, from);

@@ -66,15 +66,16 @@ std::vector<std::uint32_t> ids_of(const std::vector<UnsetVariable>& variables) {
 
 }  // namespace
 
-std::vector<UnsetRead> find_unset_reads(const std::string& glsl, const std::vector<std::uint32_t>& spirv) {
+std::vector<UnsetRead> find_unset_reads(const std::string& glsl, const Literals& literals,
+                                        const std::vector<std::uint32_t>& spirv) {
   const std::vector<UnsetVariable> open = find_unset_variables(spirv);
   if (open.empty() || !find_witness(spirv, ids_of(open))) return {};
-  const CompiledGlsl lined = compile_glsl(ShaderStage::vertex, glsl, Lines::kept);
-  std::vector<UnsetVariable> variables = find_unset_variables(lined.spirv);
+  const auto lined = literals.put_back(compile_glsl(ShaderStage::vertex, glsl, Lines::kept).spirv);
+  std::vector<UnsetVariable> variables = find_unset_variables(lined);
   if (variables.size() > most_variables) variables.resize(most_variables);
   std::vector<UnsetRead> reads;
   for (const UnsetVariable& variable : variables) {
-    const auto witness = find_witness(lined.spirv, {&variable.id, 1});
+    const auto witness = find_witness(lined, {&variable.id, 1});
     if (witness) reads.push_back({variable, witness->p, witness->t_ms});
   }
   return reads;

@@ -105,7 +105,7 @@ TEST_CASE("W0404: what noise hides from intervals") {
       "float fbm(vec3 x) { float s = 0.0, a = 0.5; for (int i = 0; i < 5; ++i) { s += a * noise(x); x = x * 2.03 + 1.7; a *= 0.5; } return s; }"
       "]]></FUNCTIONS><OBJECT name='PLANET'><SDF name='S' function='true'>return length(p) - 5.0 + 0.5 * fbm(3.0 * p TIME);</SDF>"
       "<REGION name='R' type='color' rgb='0.9 0.6 0.2'/></OBJECT></MVV>";
-  for (const std::string& time : {"", " + t / 1000.0"}) {
+  for (const std::string time : {"", " + t / 1000.0"}) {
     std::string text = planet;
     text.replace(text.find(" TIME"), 5, time);
     CHECK(contains(lint_text(text), "W0404 the SDF 'S' is inside everywhere"));
