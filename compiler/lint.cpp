@@ -216,7 +216,7 @@ void Linter::check_seams(const Object& object, Id<Sdf> id, double t) {
   for (const glm::dvec3& face : border_points()) {
     if (reported_[id.index]) return;
     const glm::dvec3 p = object_from_local(tile + face);
-    if (!in_cube(p)) continue;
+    if (!in_cube(p * (1.0 + 1e-6))) continue;  // on the object's border there is no next tile
     for (int axis = 0; axis < 3; ++axis) {
       if (std::abs(face[axis]) != 1.0) continue;
       glm::dvec3 opposite = face;
