@@ -341,6 +341,7 @@ std::vector<Measurement> run_cases(const runtime::DeviceOptions& device, const s
       }
     }
     results.push_back(std::move(result));
+    if (options.done) options.done(results);
   }
   return results;
 }

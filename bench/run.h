@@ -66,6 +66,8 @@ struct RunOptions {
   double budget_s = 0.0;  ///< cases that have not begun by then are left out; 0: no limit
   /// Called before each case.
   std::function<void(const Case& next)> progress;
+  /// Called after each case with all measurements so far, in order. May be empty.
+  std::function<void(const std::vector<Measurement>& so_far)> done;
 };
 
 /// Runs the cases in order, one measurement each. A case that fails is a measurement with its reason. Cases that need

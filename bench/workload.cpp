@@ -161,38 +161,99 @@ SceneSource many_grids(std::uint32_t count, std::uint32_t n) {
   return in_memory("grids", objects + object("CUBE", region("GROUND", count, all), reference("GROUND")), std::move(files));
 }
 
-SceneSource large_snippet(std::uint32_t operations) {
-  constexpr std::uint32_t operations_a_stroke = 33;
+namespace {
+
+/// Lines of text in the plane, stroke by stroke.
+struct Strokes {
+  std::vector<std::pair<glm::dvec2, glm::dvec2>> ends;
+  double unit;  ///< a letter is 2 wide and 4 high
+};
+
+Strokes strokes_of_text(std::uint32_t count) {
   // Strokes of each letter: x and y of both ends, on 3 x 5 points.
   static const std::vector<std::vector<std::string>> letters{
       {"0004", "0414", "1423", "2321", "2110", "1000"}, {"1014"}, {"2404", "0402", "0222", "2220", "2000"},  // DIS
       {"0424", "1014"}, {"0004", "0424", "2420", "0222"}, {"0004", "0420", "2024"},                          // TAN
       {"2404", "0400", "0020"}, {"2404", "0400", "0020", "0212"}};                                           // CE
   constexpr std::uint32_t strokes_a_word = 28, letters_a_line = 16, words_a_line = 2;
-  const std::uint32_t strokes = operations / operations_a_stroke + 1;
-  const std::uint32_t lines = (strokes - 1) / (words_a_line * strokes_a_word) + 1;
+  const std::uint32_t lines = (count - 1) / (words_a_line * strokes_a_word) + 1;
   const glm::dvec2 cell(1.9 / letters_a_line, 1.9 / lines);
-  const double unit = std::min(0.3 * cell.x, 0.15 * cell.y);
-  std::string body = "float d = 4.0;\n";
-  std::uint32_t written = 0;
-  for (std::uint32_t place = 0; written < strokes; ++place) {
+  Strokes strokes{{}, std::min(0.3 * cell.x, 0.15 * cell.y)};
+  for (std::uint32_t place = 0; strokes.ends.size() < count; ++place) {
     const glm::dvec2 corner(-0.95 + cell.x * (place % letters_a_line), 0.95 - cell.y * (place / letters_a_line + 0.9));
-    const auto end = [&](const std::string& stroke, std::size_t k) {
-      const glm::dvec2 at = corner + unit * glm::dvec2(stroke[k] - '0', stroke[k + 1] - '0');
-      return fmt::format("vec3({:.5f}, {:.5f}, {:.5f})", at.x, at.y, 0.1 * unit * std::sin(9.0 * at.x));
-    };
     for (const std::string& stroke : letters[place % letters.size()]) {
-      if (written++ == strokes) break;
-      body += fmt::format("d = op_smooth_union(d, sd_capsule(p, {}, {}, {:.5f}), {:.5f});\n", end(stroke, 0), end(stroke, 2),
-                          0.25 * unit, 0.3 * unit);
+      const auto end = [&](std::size_t k) {
+        return corner + strokes.unit * glm::dvec2(stroke[k] - '0', stroke[k + 1] - '0');
+      };
+      if (strokes.ends.size() < count) strokes.ends.emplace_back(end(0), end(2));
     }
   }
-  const std::string text = "<SDF name=\"TEXT\" function=\"true\"><![CDATA[#include <sdf>\n" + body + "return d;]]></SDF>\n";
-  SceneSource source = in_memory("large snippet", object("PAGE", text + region("PAPER", 3) + region("INK", 7),
-                                                         decision("TEXT", reference("PAPER"), reference("INK"))));
+  return strokes;
+}
+
+/// Text as paper and ink, seen from the front.
+SceneSource page(const std::string& name, const std::string& body) {
+  const std::string text = "<SDF name=\"TEXT\" function=\"true\"><![CDATA[" + body + "]]></SDF>\n";
+  SceneSource source = in_memory(
+      name, object("PAGE", text + region("PAPER", 3) + region("INK", 7), decision("TEXT", reference("PAPER"), reference("INK"))));
   source.slice = runtime::Plane{{0.0, 0.0, 1.0}, 0.0};
   return source;
 }
+
+}  // namespace
+
+SceneSource large_snippet(std::uint32_t operations) {
+  constexpr std::uint32_t operations_a_stroke = 33;
+  const Strokes strokes = strokes_of_text(operations / operations_a_stroke + 1);
+  const auto text_of = [&](const glm::dvec2& end) {
+    return fmt::format("vec3({:.5f}, {:.5f}, {:.5f})", end.x, end.y, 0.1 * strokes.unit * std::sin(9.0 * end.x));
+  };
+  std::string body = "#include <sdf>\nfloat d = 4.0;\n";
+  for (const auto& [from, to] : strokes.ends) {
+    body += fmt::format("d = op_smooth_union(d, sd_capsule(p, {}, {}, {:.5f}), {:.5f});\n", text_of(from), text_of(to),
+                        0.25 * strokes.unit, 0.3 * strokes.unit);
+  }
+  return page("large snippet", body + "return d;");
+}
+
+std::string expression_text(std::uint32_t operations) {
+  constexpr std::uint32_t operations_a_stroke = 20, operations_before = 3;
+  std::string body;
+  std::uint32_t count = 0;
+  const auto operation = [&](const std::string& value) {
+    body += fmt::format("float v{} = {};\n", count, value);
+    return fmt::format("v{}", count++);
+  };
+  const std::string x = operation("p.x"), y = operation("p.y");
+  std::string d = operation("4.0");
+  const std::uint32_t stroke_count = operations > operations_before ? (operations - operations_before) / operations_a_stroke : 0;
+  if (stroke_count != 0) {
+    const Strokes strokes = strokes_of_text(stroke_count);
+    double i = 0.0;
+    for (const auto& [begin, end] : strokes.ends) {
+      // As if written by hand: no two sides lie on one line, so that no operation is done twice.
+      const glm::dvec2 from = begin + 0.1 * strokes.unit * glm::dvec2(std::sin(7.1 * i), std::sin(3.3 * i));
+      const glm::dvec2 to = end + 0.1 * strokes.unit * glm::dvec2(std::sin(2.7 * i), std::sin(5.9 * i));
+      i += 1.0;
+      const glm::dvec2 along = glm::normalize(to - from), across(along.y, -along.x);
+      const auto beyond = [&](const glm::dvec2& normal, const glm::dvec2& corner) {  // of a side of the stroke
+        const std::string a = operation(fmt::format("{:.6f} * {}", normal.x, x));
+        const std::string b = operation(fmt::format("{:.6f} * {}", normal.y, y));
+        const std::string sum = operation(a + " + " + b);
+        return operation(fmt::format("{} - {:.6f}", sum, glm::dot(normal, corner) + 0.25 * strokes.unit));
+      };
+      const std::string first = beyond(along, to), last = beyond(-along, from);
+      const std::string left = beyond(across, from), right = beyond(-across, from);
+      const std::string length = operation(fmt::format("max({}, {})", first, last));
+      const std::string width = operation(fmt::format("max({}, {})", left, right));
+      d = operation(fmt::format("min({}, {})", d, operation(fmt::format("max({}, {})", length, width))));
+    }
+  }
+  while (count < operations) d = operation(fmt::format("max({}, -4.0)", d));
+  return body + "return " + d + ";";
+}
+
+SceneSource expression(std::uint32_t operations) { return page("expression", expression_text(operations)); }
 
 SceneSource empty_cube() { return in_memory("empty", object("CUBE", region("GROUND", 0), reference("GROUND"))); }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "bench/source.h"
 
@@ -23,9 +24,17 @@ SceneSource nested_objects(std::uint32_t depth);
 /// `count` different grids of n^3 samples, each in an object of its own, all embedded in one cube.
 SceneSource many_grids(std::uint32_t count, std::uint32_t n);
 
-/// One boundary of at least `operations` operations (up to some 20,000, the limit of a snippet's text): lines of text, each
-/// stroke of a letter a capsule, joined by smooth unions. To be looked at as a slice, which is set.
+/// One boundary of at least `operations` operations: lines of text, each stroke of a letter a capsule, joined by smooth
+/// unions. To be looked at as a slice, which is set.
 SceneSource large_snippet(std::uint32_t operations);
+
+/// The body of a distance function of exactly `operations` operations (3 or more), each a statement on a line of its own
+/// that gives a new name to what a sum, product, minimum or maximum of earlier ones is: lines of text, each stroke of a
+/// letter the intersection of four half planes. So the field writes its benchmarks of implicit surfaces (Keeter 2020:
+/// "prospero", 7,866 operations).
+std::string expression_text(std::uint32_t operations);
+/// One boundary with that body. To be looked at as a slice, which is set.
+SceneSource expression(std::uint32_t operations);
 
 /// Nothing but one region: what evaluating costs before there is anything to decide.
 SceneSource empty_cube();

@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <CLI/App.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 
@@ -90,29 +92,76 @@ void make_folder(const std::string& path) {
   if (error) fail_with({Fault::input, fmt::format("cannot make the folder '{}': {}", path, error.message()), {}});
 }
 
-void write(const BenchOptions& options, const std::string& gnuplot, const bench::Report& report) {
+void write_json(const BenchOptions& options, const bench::Report& report) {
+  if (options.json.empty()) return;
   Outputs outputs;
-  if (!options.json.empty()) {
-    outputs.announce(options.json, {".json"});
-    outputs.write_bytes(options.json, bench::to_json(report));
-  }
-  if (!options.plots.empty()) {
-    for (const bench::Plot& plot : bench::make_plots(report)) {
-      const std::string path = (fs::path(options.plots) / (plot.name + '.' + options.plot_format)).string();
-      outputs.announce(path);
-      outputs.write(path, [&](const std::string& temporary) { return bench::draw(gnuplot, plot, temporary); });
-    }
+  outputs.announce(options.json, {".json"});
+  outputs.write_bytes(options.json, bench::to_json(report));
+  outputs.commit();
+}
+
+void write_plots(const BenchOptions& options, const std::string& gnuplot, const bench::Report& report) {
+  if (options.plots.empty()) return;
+  Outputs outputs;
+  for (const bench::Plot& plot : bench::make_plots(report)) {
+    const std::string path = (fs::path(options.plots) / (plot.name + '.' + options.plot_format)).string();
+    outputs.announce(path);
+    outputs.write(path, [&](const std::string& temporary) { return bench::draw(gnuplot, plot, temporary); });
   }
   outputs.commit();
 }
 
-std::vector<bench::StressFigure> run_stress(runtime::Device& device, bool quick) {
-  std::vector<bench::StressFigure> figures;
-  for (stress::Case& c : must(stress::run(device, {.long_form = !quick}))) {
-    figures.push_back({std::move(c.name), std::move(c.what), c.measured, c.bound, c.at_least, std::move(c.unit),
-                       std::move(c.detail), c.held});
+/// A report that grows, and is on disk as it stands after every case: a run that is stopped leaves a JSON of what was
+/// measured, in which the cases that were not begun say so.
+class GrowingReport {
+ public:
+  GrowingReport(const BenchOptions& options, std::vector<bench::Case> cases) : options_(options), cases_(std::move(cases)) {}
+
+  bench::Report& report() { return report_; }
+  /// The number of the last case that was begun.
+  void begin(std::size_t number) { begun_ = number; }
+
+  void write() {
+    bench::Report now = report_;
+    now.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    for (std::size_t i = begun_; i < cases_.size(); ++i) {
+      bench::Measurement left;
+      left.what = cases_[i];
+      left.failure = "not measured: the run ended before";
+      now.measurements.push_back(std::move(left));
+    }
+    now.fits = bench::fit_series(report_.measurements);
+    write_json(options_, now);
   }
-  return figures;
+
+ private:
+  const BenchOptions& options_;
+  std::vector<bench::Case> cases_;
+  bench::Report report_;
+  std::size_t begun_ = 0;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Where a run stands: a bar on a terminal, else a line a step.
+class BenchProgress {
+ public:
+  BenchProgress(std::size_t total, bool quiet) : bar_("bench", total, 0, quiet), total_(total), quiet_(quiet) {}
+
+  /// Step `number`, from 1, begins.
+  void begin(std::size_t number, const std::string& what) {
+    bar_.advance_to(number - 1);
+    if (quiet_ || isatty(STDERR_FILENO) != 0) return;
+    std::fputs(fmt::format("bench: {}/{} {}\n", number, total_, what).c_str(), stderr);
+  }
+
+ private:
+  ProgressBar bar_;
+  std::size_t total_;
+  bool quiet_;
+};
+
+bench::StressFigure figure_of(const stress::Case& c) {
+  return {c.name, c.what, c.measured, c.bound, c.at_least, c.unit, c.detail, c.held};
 }
 
 bench::StartOptions start_options(const BenchOptions& options) {
@@ -141,34 +190,53 @@ int bench_command(const BenchOptions& options, Context& context) {
       .name = options.device.name, .validation = options.device.validation, .driver_cache = options.driver_cache};
   runtime::Device device = must(runtime::Device::create(opening));
   context.stopwatch.lap("device");
-  bench::Report report;
+  GrowingReport growing(options, plan.cases);
+  bench::Report& report = growing.report();
   report.set = options.scenes.empty() ? options.set : "scenes";
   report.quick = options.quick;
   report.machine = bench::this_machine(device.info());
   report.missing = plan.missing;
-  const auto start = std::chrono::steady_clock::now();
+  const bool stresses = options.scenes.empty() && options.set == "stress";
+  growing.write();
   {
-    ProgressBar bar("bench", plan.cases.size(), 0, context.quiet);
-    bool first = true;
+    std::size_t step = 0;
+    BenchProgress progress(plan.cases.size() + plan.starts.size() + (stresses ? 1 : 0), context.quiet);
     bench::RunOptions run;
     run.budget_s = options.quick ? quick_budget_s : options.scenes.empty() && options.set == "standard" ? budget_s : 0.0;
-    run.progress = [&](const bench::Case&) {
-      if (!first) bar.advance();
-      first = false;
+    run.progress = [&](const bench::Case& next) {
+      progress.begin(++step, next.id);
+      growing.begin(step);
+    };
+    run.done = [&](const std::vector<bench::Measurement>& so_far) {
+      report.measurements = so_far;
+      growing.write();
     };
     report.measurements = bench::run_cases(opening, plan.cases, run);
+    for (const bench::SceneSource& scene : plan.starts) {
+      progress.begin(++step, "start of " + scene.name);
+      report.starts.push_back(bench::measure_starts(scene, start_options(options)));
+      growing.write();
+    }
+    if (stresses) {
+      progress.begin(++step, "stress cases");
+      must(stress::run(device, {.long_form = !options.quick}, [&](const stress::Case& c) {
+        report.stress.push_back(figure_of(c));
+        growing.write();
+      }));
+    }
   }
-  for (const bench::SceneSource& scene : plan.starts) report.starts.push_back(bench::measure_starts(scene, start_options(options)));
-  if (options.scenes.empty() && options.set == "stress") report.stress = run_stress(device, options.quick);
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  report.fits = bench::fit_series(report.measurements);
   context.stopwatch.lap("bench");
 
   std::vector<std::string> messages = device.validation_messages();
   for (const bench::Measurement& m : report.measurements)
     messages.insert(messages.end(), m.validation_messages.begin(), m.validation_messages.end());
-  if (const int exit_code = exit_code_of(messages); exit_code != exit_done) return exit_code;
-  write(options, gnuplot, report);
+  if (const int exit_code = exit_code_of(messages); exit_code != exit_done) {
+    if (std::error_code error; !options.json.empty()) fs::remove(options.json, error);  // its figures are worth nothing
+    return exit_code;
+  }
+  growing.write();
+  report.fits = bench::fit_series(report.measurements);
+  write_plots(options, gnuplot, report);
   print_result(bench::to_table(report));
   return exit_done;
 }

@@ -2,10 +2,15 @@
 #include <fmt/format.h>
 
 #include <CLI/App.hpp>
+#include <algorithm>
+#include <chrono>
+#include <functional>
 #include <memory>
+#include <optional>
 
 #include "cli/commands.h"
 #include "cli/options.h"
+#include "cli/progress.h"
 #include "compiler/lint.h"
 #include "voml/files.h"
 
@@ -17,6 +22,26 @@ struct CheckOptions {
   SceneOptions scene;
 };
 
+/// A bar for a step of one scene, drawn where the step takes more than a second.
+class StepBar {
+ public:
+  StepBar(std::string what, bool quiet) : what_(std::move(what)), quiet_(quiet) {}
+
+  void operator()(std::size_t done, std::size_t total) {
+    using namespace std::chrono_literals;
+    const auto spent = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - start_);
+    if (!bar_) bar_.emplace(what_, total, 0, quiet_, std::max(1ms, 1000ms - spent));
+    bar_->advance_to(done);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string what_;
+  bool quiet_;
+  Clock::time_point start_ = Clock::now();
+  std::optional<ProgressBar> bar_;
+};
+
 bool is_fine(const std::string& path, const CheckOptions& options, Context& context) {
   Diagnostics diagnostics(options.scene.strict);
   auto scene = voml::read_scene(path, disk_files(), {options.scene.root, true}, diagnostics);
@@ -24,8 +49,12 @@ bool is_fine(const std::string& path, const CheckOptions& options, Context& cont
   if (scene) {
     counts = fmt::format("{}, {}, {}", plural(scene->objects.size(), "object"), plural(scene->sdfs.size(), "SDF"),
                          plural(scene->regions.size(), "region"));
-    const auto module = compiler::lower(std::move(*scene), diagnostics, {.check_everything = true});
-    if (module) compiler::lint(*module, diagnostics);
+    const auto module = [&] {
+      StepBar bar(path + ": functions", context.quiet);
+      return compiler::lower(std::move(*scene), diagnostics, {.check_everything = true, .progress = std::ref(bar)});
+    }();
+    StepBar bar(path + ": SDFs", context.quiet);
+    if (module) compiler::lint(*module, diagnostics, std::ref(bar));
   }
   context.stopwatch.lap("check");
   print_diagnostics(diagnostics, context);

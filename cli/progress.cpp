@@ -31,14 +31,16 @@ std::string progress_text(const std::string& what, std::size_t done, std::size_t
   return text;
 }
 
-ProgressBar::ProgressBar(std::string what, std::size_t total, std::size_t already_done, bool quiet)
+ProgressBar::ProgressBar(std::string what, std::size_t total, std::size_t already_done, bool quiet,
+                         std::chrono::milliseconds patience)
     : what_(std::move(what)),
       total_(total),
       done_(already_done),
       already_done_(already_done),
       visible_(!quiet && isatty(STDERR_FILENO)),
+      patience_(patience),
       start_(Clock::now()) {
-  if (visible_) draw();
+  if (visible_ && patience_.count() == 0) draw();
 }
 
 ProgressBar::~ProgressBar() {
@@ -47,7 +49,9 @@ ProgressBar::~ProgressBar() {
 
 void ProgressBar::advance_to(std::size_t done) {
   done_ = done;
-  if (visible_ && Clock::now() - last_drawn_ >= std::chrono::milliseconds(100)) draw();
+  if (!visible_) return;
+  const auto now = Clock::now();
+  if (now - start_ >= patience_ && now - last_drawn_ >= std::chrono::milliseconds(100)) draw();
 }
 
 void ProgressBar::draw() {

@@ -16,7 +16,9 @@ std::string progress_text(const std::string& what, std::size_t done, std::size_t
 /// The line is cleared when the bar goes out of scope.
 class ProgressBar {
  public:
-  ProgressBar(std::string what, std::size_t total, std::size_t already_done, bool quiet);
+  /// Nothing is drawn within the first `patience`: what ends by then needs no bar.
+  ProgressBar(std::string what, std::size_t total, std::size_t already_done, bool quiet,
+              std::chrono::milliseconds patience = std::chrono::milliseconds(0));
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
   ~ProgressBar();
@@ -32,6 +34,7 @@ class ProgressBar {
   std::string what_;
   std::size_t total_, done_, already_done_;
   bool visible_;
+  std::chrono::milliseconds patience_;
   Clock::time_point start_, last_drawn_;
 };
 

@@ -13,6 +13,7 @@
 #include "compiler/passes.h"
 #include "compiler/tapes.h"
 #include "compiler/reference.h"
+#include "compiler/snippet/time_values.h"
 #include "compiler/steepness.h"
 #include "compiler/texels.h"
 #include "compiler/thesis.h"
@@ -96,6 +97,25 @@ void write_kernels(Program& program, const Evaluation& evaluation, RecordAccess 
   for (std::size_t i = 0; i < evaluation.stages.size(); ++i) {
     program.stages.push_back({generate_stage_glsl(evaluation, program.depth, i, access), {}, evaluation.stages[i].has_next});
   }
+}
+
+/// Refuses functions that are no tapes, and so large that a driver would not end with them.
+bool check_functions(const Module& module, const Tapes& tapes, const TapeOptions& options, Diagnostics& diagnostics) {
+  std::vector<bool> seen(module.functions.size());
+  for (const Sdf& sdf : module.sdfs) {
+    const auto* id = std::get_if<Id<Function>>(&sdf.source);
+    if (id == nullptr || seen[id->index]) continue;
+    seen[id->index] = true;
+    const std::size_t size = at(module.functions, *id).snippet.time_split().residual.instructions.size();
+    const bool is_tape = !tapes.functions.empty() && tapes.functions[id->index].is_tape;
+    if (is_tape || size <= options.most_code) continue;
+    const std::string why = tapes.functions.empty() ? "tapes are off" : tapes.functions[id->index].note;
+    diagnostics.report(Code::snippet_too_large, sdf.span,
+                       fmt::format("the SDF '{}' has {} instructions, and a driver can be asked to compile {} at most; it is no "
+                                   "tape ({}): divide it among several SDFs",
+                                   sdf.name, size, options.most_code, why));
+  }
+  return !diagnostics.has_errors();
 }
 
 bool check_buffers(const Program& program, std::uint64_t limit, Diagnostics& diagnostics) {
@@ -207,6 +227,7 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   TapeOptions tape_options = options.tapes;
   tape_options.shorten = enabled(options, "shorten-tapes");
   const Tapes tapes = !thesis && enabled(options, "tapes") ? make_tapes(module, tape_options) : Tapes{};
+  if (!check_functions(module, tapes, tape_options, diagnostics)) return std::nullopt;
   const bool reaches = tells_reach(options);
   const auto steepness = reaches ? source_steepness(module, options.atlas_format, options.filter)
                                  : std::vector<snippet::Steepness>{};

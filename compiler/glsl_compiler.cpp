@@ -20,7 +20,7 @@ void use_glslang() {
 
 }  // namespace
 
-CompiledGlsl compile_glsl(ShaderStage stage, const std::string& glsl) {
+CompiledGlsl compile_glsl(ShaderStage stage, const std::string& glsl, Lines lines) {
   use_glslang();
   const EShLanguage language = stage == ShaderStage::vertex ? EShLangVertex : EShLangCompute;
   const char* text = glsl.c_str();
@@ -38,6 +38,7 @@ CompiledGlsl compile_glsl(ShaderStage stage, const std::string& glsl) {
   CompiledGlsl result;
   glslang::SpvOptions options;
   options.disableOptimizer = true;  // it speeds up neither drivers nor frames, and hides what the author wrote
+  options.generateDebugInfo = lines == Lines::kept;
   glslang::GlslangToSpv(*program.getIntermediate(language), result.spirv, &options);
   return result;
 }

@@ -16,8 +16,11 @@ struct CompiledGlsl {
   std::string log;                   ///< glslang's errors, all of them
 };
 
+/// Does the SPIR-V tell the lines of the text (OpLine)? Drivers need none.
+enum class Lines : std::uint8_t { dropped, kept };
+
 /// Cost: some 60 ms once a process (glslang reads its own declarations), then milliseconds for 1,000 lines.
-CompiledGlsl compile_glsl(ShaderStage stage, const std::string& glsl);
+CompiledGlsl compile_glsl(ShaderStage stage, const std::string& glsl, Lines lines = Lines::dropped);
 
 /// What the SPIR-V of this text depends on.
 std::string code_key(ShaderStage stage, const std::string& glsl);

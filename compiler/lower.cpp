@@ -218,15 +218,22 @@ class Lowering {
   Id<Function> lower_function(Id<voml::Function> id, const std::string& name) {
     if (compiled_[id.index]) return functions_[id];
     compiled_[id.index] = true;
-    auto snippet = snippet::compile_snippet(at(scene_.functions, id), diagnostics_, options_.cache);
+    auto snippet = compiled(id);
     if (!snippet) return {};
     return functions_[id] = append(module_.functions, Function{name, std::move(*snippet)});
   }
 
   void compile_the_rest() {
     for (std::size_t i = 0; i < compiled_.size(); ++i) {
-      if (!compiled_[i]) snippet::compile_snippet(scene_.functions[i], diagnostics_);
+      if (!compiled_[i]) compiled(Id<voml::Function>{static_cast<std::uint32_t>(i)});
     }
+  }
+
+  std::optional<snippet::Snippet> compiled(Id<voml::Function> id) {
+    auto snippet = snippet::compile_snippet(at(scene_.functions, id), diagnostics_, options_.cache);
+    ++compiled_count_;
+    if (options_.progress) options_.progress(compiled_count_, scene_.functions.size());
+    return snippet;
   }
 
   Id<Sdf> lower_sdf(Id<voml::Sdf> id) {
@@ -391,6 +398,7 @@ class Lowering {
   std::vector<Origin> origins_;
   std::set<std::pair<Id<Sdf>, Id<Object>>> sdf_users_;
   std::vector<bool> compiled_;  ///< functions, with or without errors
+  std::size_t compiled_count_ = 0;
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
@@ -107,6 +108,8 @@ struct Module {
 struct LowerOptions {
   bool check_everything = false;  ///< also compiles the snippets that the root does not reach, for their mistakes
   CodeCache cache = {};           ///< asked before a snippet is compiled
+  /// Told after each snippet how many of how many are compiled. May be empty.
+  std::function<void(std::size_t done, std::size_t total)> progress = {};
 };
 
 /// Scene -> Module: composes matrices, drops what the root does not reach, orders objects, refuses cycles.

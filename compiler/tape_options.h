@@ -10,6 +10,7 @@ struct TapeOptions {
   bool shorten = true;                  ///< off: one tape for the whole cube
   std::uint32_t least_size = 1500;      ///< instructions of a snippet that may be a tape; smaller ones are written out
   std::uint32_t most_written = 20'000;  ///< instructions of the largest snippet that a driver can be asked to compile
+  std::uint32_t most_code = 65'536;     ///< beyond that a snippet that cannot be a tape is refused (E0430)
   /// How much more an instruction of a tape costs than a written one, for a picture a third of which lies in cells
   /// whose side is not known: a snippet that intervals do not shorten as much is written out. Measured on lavapipe: 20
   /// to 30 times.

@@ -11,11 +11,13 @@
 #include "compiler/snippet/glsl_words.h"
 #include "compiler/snippet/glslang_front.h"
 #include "compiler/snippet/library.h"
+#include "compiler/snippet/literals.h"
 #include "compiler/snippet/missing_return.h"
 #include "compiler/snippet/preprocess.h"
 #include "compiler/snippet/probe_points.h"
 #include "compiler/snippet/read_spirv.h"
 #include "compiler/snippet/snippet.h"
+#include "compiler/snippet/unset_reads.h"
 
 namespace dmvv::compiler::snippet {
 namespace {
@@ -31,6 +33,7 @@ struct Line {
 
 struct Shader {
   std::string glsl;
+  Literals literals;                ///< of the author's functions, in long texts
   std::vector<Line> lines;          ///< line k + 1 of the text
   std::string_view function = "f";  ///< the name of the author's function
 };
@@ -48,6 +51,13 @@ class Assembler {
         "layout(location = 0) in vec3 dmvv_p;\n"
         "layout(location = 1) in float dmvv_t;\n"
         "layout(location = 0) out float dmvv_distance;\n");
+    std::size_t numbers = 0;
+    for (const PreparedText& text : prepared_.texts) {
+      numbers += static_cast<std::size_t>(std::ranges::count(text.tokens, Token::Kind::number, &Token::kind));
+    }
+    keeps_literals_ = numbers >= Literals::least;
+    const std::size_t declarations = shader_.glsl.size();
+    if (keeps_literals_) add("\n");  // of the array, which is known at the end
     if (prepared_.uses_legacy_functions) add(legacy_functions());
     if (prepared_.uses_library) add(library_for(words));
     const std::size_t body = prepared_.texts.size() - 1;
@@ -59,12 +69,25 @@ class Assembler {
     }
     last_ = nullptr;
     add(fmt::format("float {}(vec3 p, float t) {{\n", shader_.function));
+    depth_ = 1;
     add_text(prepared_.texts[body]);
+    if (keeps_literals_) shader_.glsl.replace(declarations, 1, shader_.literals.empty() ? "\n" : shader_.literals.declaration());
     add(fmt::format("}}\nvoid main() {{ dmvv_distance = {}(dmvv_p, dmvv_t); }}\n", shader_.function));
     return std::move(shader_);
   }
 
  private:
+  /// A number may stand in the array of literals where GLSL does not ask for a constant: in a function, but not in the
+  /// value of a constant nor in the size of an array.
+  bool may_be_kept(const Token& token) {
+    if (!keeps_literals_) return false;
+    depth_ += token.is("{") ? 1 : token.is("}") ? -1 : 0;
+    brackets_ += token.is("[") ? 1 : token.is("]") ? -1 : 0;
+    if (token.is("const")) in_constant_ = true;
+    if (token.is(";") || token.is("{")) in_constant_ = false;
+    return depth_ > 0 && brackets_ == 0 && !in_constant_ && token.kind == Token::Kind::number && is_float_literal(token.word);
+  }
+
   void add(std::string_view ours) {
     shader_.glsl += ours;
     shader_.lines.insert(shader_.lines.end(), static_cast<std::size_t>(std::count(ours.begin(), ours.end(), '\n')),
@@ -75,7 +98,7 @@ class Assembler {
     ++statement_;
     for (const Token& token : text.tokens) {
       last_ = &token;
-      shader_.glsl.append(token.word).append("\n");
+      shader_.glsl.append(may_be_kept(token) ? shader_.literals.place_of(token.word) : std::string(token.word)).append("\n");
       shader_.lines.push_back({last_, false, statement_});
       if (token.is(";") || token.is("{") || token.is("}")) ++statement_;
     }
@@ -85,6 +108,10 @@ class Assembler {
   Shader shader_;
   const Token* last_ = nullptr;
   std::uint32_t statement_ = 0;
+  bool keeps_literals_ = false;
+  bool in_constant_ = false;
+  int depth_ = 0;  ///< of braces
+  int brackets_ = 0;
 };
 
 // ---- errors ----
@@ -126,6 +153,9 @@ class Compilation {
   void report_recursion(std::string_view list);
   void report_missing_returns(const std::vector<std::uint32_t>& spirv);
   void report_unreadable(const Error& error);
+  void report_unset(const std::vector<std::uint32_t>& spirv, bool uses_time);
+  const Token* mention_near(std::uint32_t line, std::string_view name) const;
+  const Token* declaration_before(const Token& use) const;
   void probe(const Snippet& snippet);
 
   std::vector<std::string_view> known_names(bool functions) const;
@@ -426,6 +456,52 @@ void Compilation::report_unreadable(const Error& error) {
   diagnostics_.report(Code::snippet_refused, body_words(), error.message, std::move(notes));
 }
 
+// ---- variables that are read before they are set ----
+
+/// The mention of a name that is nearest to a line of the shader, in the line's statement.
+const Token* Compilation::mention_near(std::uint32_t line, std::string_view name) const {
+  if (line == 0 || line > shader_.lines.size()) return nullptr;
+  const auto is_here = [&](std::size_t i) {
+    const Line& other = shader_.lines[i];
+    return other.statement == shader_.lines[line - 1].statement && !other.behind && other.token->word == name;
+  };
+  for (std::size_t away = 0; away < shader_.lines.size(); ++away) {
+    if (line - 1 + away < shader_.lines.size() && is_here(line - 1 + away)) return shader_.lines[line - 1 + away].token;
+    if (away < line && is_here(line - 1 - away)) return shader_.lines[line - 1 - away].token;
+  }
+  return nullptr;
+}
+
+const Token* Compilation::declaration_before(const Token& use) const {
+  const std::vector<Token>& tokens = prepared_.texts[use.text].tokens;
+  for (auto i = static_cast<std::size_t>(&use - tokens.data()) + 1; i-- > 0;) {
+    if (!tokens[i].is(use.word)) continue;
+    const bool follows_comma = i > 0 && tokens[i - 1].is(",") && i + 1 < tokens.size() &&
+                               (tokens[i + 1].is(",") || tokens[i + 1].is(";") || tokens[i + 1].is("="));
+    if (follows_comma || is_declaration(tokens, i)) return &tokens[i];
+  }
+  return nullptr;
+}
+
+void Compilation::report_unset(const std::vector<std::uint32_t>& spirv, bool uses_time) {
+  for (const UnsetRead& read : find_unset_reads(shader_.glsl, shader_.literals, spirv)) {
+    const Token* mention = mention_near(read.variable.line, read.variable.name);
+    const std::string where = describe(read.p, read.t_ms, uses_time);
+    const std::string_view name = mention != nullptr ? mention->author : std::string_view(read.variable.name);
+    std::string message =
+        read.variable.is_out
+            ? fmt::format("the 'out' parameter '{}' is not set on every way through its function, as at {}; set it first",
+                          name, where)
+            : fmt::format("the variable '{}' is read before it is set, as at {}; give it a value where it is declared", name,
+                          where);
+    const Token* declared = mention != nullptr ? declaration_before(*mention) : nullptr;
+    std::vector<Note> notes;
+    if (declared != nullptr && declared != mention) notes.push_back({span_of(*declared), "it is declared here"});
+    diagnostics_.report(Code::snippet_unset_variable, mention != nullptr ? span_of(*mention) : body_words(),
+                        std::move(message), std::move(notes));
+  }
+}
+
 /// Tries the snippet where it will be asked: refuses loops that do not end, warns of values that are no distances.
 void Compilation::probe(const Snippet& snippet) {
   std::string not_finite;
@@ -460,7 +536,7 @@ std::optional<Snippet> Compilation::run() {
 
   // 2. glslang.
   shader_ = Assembler(prepared_).run();
-  const Compiled compiled = compile_vertex_shader(shader_.glsl, cache_);
+  const Compiled compiled = compile_vertex_shader(shader_.glsl, shader_.literals, cache_);
   report_log(compiled.errors);
   if (errors_ == 0) report_missing_returns(compiled.spirv);
   if (errors_ != 0) return std::nullopt;
@@ -482,6 +558,7 @@ std::optional<Snippet> Compilation::run() {
   }
   probe(snippet);
   if (errors_ != 0) return std::nullopt;
+  report_unset(compiled.spirv, snippet.uses_time());
   return snippet;
 }
 

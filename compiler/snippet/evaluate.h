@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 
 #include "compiler/snippet/dual.h"
@@ -32,6 +33,20 @@ struct BoxValue {
 /// program.register_count() on, that a residual reads (time_values.h).
 Interval evaluate_box(const Program& program, const std::array<Interval, Program::input_count>& inputs,
                       Rounding rounding, std::span<const BoxValue> hoisted = {});
+
+/// An operation whose result jumps, over a box within which it does.
+struct Jump {
+  std::uint32_t instruction;
+  double operand_width;  ///< how far apart the bounds of what it takes are; of mod, in divisors
+};
+struct BoxAndJump {
+  Interval value;
+  std::optional<Jump> jump;  ///< the first on the way whose operand is a quarter wide or more
+};
+
+/// As evaluate_box with Rounding::float32, and tells which operation took most of what was known.
+BoxAndJump evaluate_box_and_jump(const Program& program, const std::array<Interval, Program::input_count>& inputs,
+                                 std::span<const BoxValue> hoisted);
 
 /// Over all inputs, as Snippet::steepness says. Unknown where something jumps or is not understood.
 Steepness steepness_over(const Program& program, const std::array<Interval, Program::input_count>& inputs,

@@ -15,7 +15,47 @@ namespace {
 /// Rounds of a loop that some part of the box may already have left.
 constexpr int max_undecided_rounds = 64;
 
-template <class Domain>
+/// Sees each operation before it is executed; this one looks at nothing.
+struct NoWatch {
+  template <class Domain>
+  void operator()(const Instruction&, std::uint32_t, const Cell<Domain>*) {}
+};
+
+/// Keeps the first operation that jumps within what is known of its operand.
+struct JumpWatch {
+  static constexpr double least_width = 0.25;
+  std::optional<Jump> first;
+
+  template <class Domain>
+  void operator()(const Instruction& instruction, std::uint32_t number, const Cell<Domain>* cells) {
+    if (first) return;
+    switch (instruction.op) {
+      case Op::f_fract:
+      case Op::f_floor:
+      case Op::f_ceil:
+      case Op::f_trunc:
+      case Op::f_round:
+      case Op::i_from_f:
+      case Op::u_from_f:
+        return note(number, cells[instruction.operands[0]].f, 1.0);
+      case Op::f_mod:
+      case Op::f_rem: {
+        const Interval& divisor = cells[instruction.operands[1]].f;
+        return note(number, cells[instruction.operands[0]].f, std::max(std::abs(divisor.lo), std::abs(divisor.hi)));
+      }
+      default:
+        return;
+    }
+  }
+
+ private:
+  void note(std::uint32_t number, const Interval& operand, double period) {
+    const double width = (operand.hi - operand.lo) / period;
+    if (width >= least_width && std::isfinite(width)) first = Jump{number, width};
+  }
+};
+
+template <class Domain, class Watch = NoWatch>
 class BoxMachine {
  public:
   using Cells = std::vector<Cell<Domain>>;
@@ -35,6 +75,8 @@ class BoxMachine {
     zero.f = Interval{0.0, 0.0};
     memory_.assign(starts_.back(), zero);
   }
+
+  const Watch& watch() const { return watch_; }
 
   Real run() {
     run(program_.body);
@@ -186,6 +228,7 @@ class BoxMachine {
     spend(node.count);
     for (std::uint32_t k = node.first; k < node.first + node.count; ++k) {
       const Instruction& instruction = program_.instructions[k];
+      watch_(instruction, k, cells_.data());
       if (is_load(instruction.op)) {
         load(instruction);
       } else if (is_store(instruction.op)) {
@@ -233,6 +276,7 @@ class BoxMachine {
   bool alive_ = true;
   bool gave_up_ = false;
   std::uint64_t steps_ = 0;
+  [[no_unique_address]] Watch watch_;
 };
 
 }  // namespace
@@ -246,6 +290,16 @@ Interval evaluate_box(const Program& program, const std::array<Interval, Program
     return BoxMachine<Domain>(program, rounded, hoisted).run();
   };
   return rounding == Rounding::real ? run.template operator()<Rounding::real>() : run.template operator()<Rounding::float32>();
+}
+
+BoxAndJump evaluate_box_and_jump(const Program& program, const std::array<Interval, Program::input_count>& inputs,
+                                 std::span<const BoxValue> hoisted) {
+  using Domain = IntervalDomain<Rounding::float32>;
+  std::array<Interval, Program::input_count> rounded;
+  for (std::size_t i = 0; i < inputs.size(); ++i) rounded[i] = Domain::input(inputs[i]);
+  BoxMachine<Domain, JumpWatch> machine(program, rounded, hoisted);
+  const Interval value = machine.run();
+  return {value, machine.watch().first};
 }
 
 Steepness steepness_over(const Program& program, const std::array<Interval, Program::input_count>& inputs,

@@ -58,11 +58,12 @@ std::vector<LogEntry> parse_log(std::string_view log) {
 
 }  // namespace
 
-Compiled compile_vertex_shader(const std::string& glsl, const CodeCache& cache) {
+Compiled compile_vertex_shader(const std::string& glsl, const Literals& literals, const CodeCache& cache) {
   const std::string key = code_key(ShaderStage::vertex, glsl);
   if (auto known = find_code(cache, key); !known.empty()) return {std::move(known), {}};
   CompiledGlsl compiled = compile_glsl(ShaderStage::vertex, glsl);
   if (compiled.spirv.empty()) return {{}, parse_log(compiled.log)};
+  compiled.spirv = literals.put_back(std::move(compiled.spirv));
   if (cache.keep) cache.keep(key, compiled.spirv);
   return {std::move(compiled.spirv), {}};
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "compiler/code_cache.h"
+#include "compiler/snippet/literals.h"
 
 namespace dmvv::compiler::snippet {
 
@@ -21,8 +22,8 @@ struct Compiled {
   std::vector<LogEntry> errors;      ///< all of them, in the order of the log
 };
 
-/// Compiles a vertex shader: that stage knows neither derivatives nor discard.
+/// Compiles a vertex shader: that stage knows neither derivatives nor discard. The text's literals are put back.
 /// `cache` is asked first, and told of what compiled.
-Compiled compile_vertex_shader(const std::string& glsl, const CodeCache& cache = {});
+Compiled compile_vertex_shader(const std::string& glsl, const Literals& literals, const CodeCache& cache = {});
 
 }  // namespace dmvv::compiler::snippet

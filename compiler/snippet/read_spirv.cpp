@@ -19,7 +19,9 @@ namespace {
 
 constexpr std::size_t max_depth = 200;
 constexpr std::size_t max_chain = 16;  ///< cases of a switch that become else-ifs
-constexpr std::uint64_t max_instructions = 1u << 16;
+constexpr std::size_t many_calls = 64;  ///< in one block
+constexpr std::uint64_t max_instructions = 1u << 19;        ///< of the program; an evaluation may execute twice as many
+constexpr std::uint64_t max_spirv_instructions = 1u << 20;  ///< after inlining; some 5 a statement
 
 class Reader {
  public:
@@ -73,11 +75,10 @@ class Reader {
         }
       }
     }
+    std::set<Register> overwritten;
+    for (const auto& assignment : assignments) overwritten.insert(assignment.first);
     for (auto& [target, source] : assignments) {  // sources that are overwritten on the way are kept aside
-      const Register read = source;
-      const bool overwritten =
-          std::any_of(assignments.begin(), assignments.end(), [&](const auto& other) { return other.first == read; });
-      if (overwritten) source = builder_.copy(read);
+      if (overwritten.contains(source)) source = builder_.copy(source);
     }
     for (const auto& [target, source] : assignments) builder_.assign(target, source);
   }
@@ -422,9 +423,50 @@ Words without_unused_chains(const Words& words) {
   return out;
 }
 
+/// Ends a block behind each of its calls, where it has many: inlining a call moves all that follows in its block, which
+/// for thousands of calls in one block would take minutes. Of what control flow means nothing changes.
+Words with_calls_apart(std::span<const std::uint32_t> words) {
+  std::map<SpirvId, std::size_t> calls;  // by block
+  std::map<SpirvId, SpirvId> last_part;  // of a block that is divided, where its terminator comes to stand
+  SpirvId label = 0, next_id = words[3];
+  for (std::size_t at = 5; at < words.size(); at += words[at] >> 16) {
+    const std::uint32_t op = words[at] & 0xffffu;
+    if (op == spv::OpLabel) label = words[at + 1];
+    if (op == spv::OpFunctionCall) ++calls[label];
+    if (op == spv::OpLoopMerge) calls.erase(label);  // a loop's head stays whole
+  }
+  std::erase_if(calls, [](const auto& block) { return block.second < many_calls; });
+  if (calls.empty()) return {words.begin(), words.end()};
+  for (const auto& [block, count] : calls) {
+    next_id += static_cast<SpirvId>(count);
+    last_part[block] = next_id - 1;
+  }
+  Words out(words.begin(), words.begin() + 5);
+  out[3] = next_id;
+  SpirvId part = 0;
+  for (std::size_t at = 5; at < words.size(); at += words[at] >> 16) {
+    const std::uint32_t op = words[at] & 0xffffu, length = words[at] >> 16;
+    const std::size_t begin = out.size();
+    out.insert(out.end(), words.begin() + static_cast<std::ptrdiff_t>(at), words.begin() + static_cast<std::ptrdiff_t>(at + length));
+    if (op == spv::OpLabel) {
+      label = words[at + 1];
+      const auto divided = calls.find(label);
+      part = divided == calls.end() ? 0 : last_part[label] + 1 - static_cast<SpirvId>(divided->second);
+    }
+    if (op == spv::OpFunctionCall && calls.contains(label)) {
+      out.insert(out.end(), {2u << 16 | spv::OpBranch, part, 2u << 16 | spv::OpLabel, part});
+      ++part;
+    }
+    for (std::size_t i = 4; op == spv::OpPhi && i < length; i += 2) {  // its ways come from where blocks end now
+      if (const auto moved = last_part.find(out[begin + i]); moved != last_part.end()) out[begin + i] = moved->second;
+    }
+  }
+  return out;
+}
+
 Result<Words> prepare(std::span<const std::uint32_t> spirv) {
   const auto inlined = optimize(
-      spirv, false,
+      with_calls_apart(spirv), false,
       list(spvtools::CreateMergeReturnPass(), spvtools::CreateInlineExhaustivePass(),
                   spvtools::CreateEliminateDeadFunctionsPass(), spvtools::CreatePrivateToLocalPass(),
                   spvtools::CreateScalarReplacementPass(0), spvtools::CreateLocalAccessChainConvertPass(),
@@ -436,7 +478,7 @@ Result<Words> prepare(std::span<const std::uint32_t> spirv) {
 }  // namespace
 
 Result<Program> read_spirv(std::span<const std::uint32_t> spirv) {
-  if (const auto calls = check_calls(spirv, max_instructions); !calls) return tl::unexpected<Error>(calls.error());
+  if (const auto calls = check_calls(spirv, max_spirv_instructions); !calls) return tl::unexpected<Error>(calls.error());
   const auto prepared = prepare(spirv);
   if (!prepared) return tl::unexpected<Error>(prepared.error());
   const auto module = parse_spirv(*prepared);

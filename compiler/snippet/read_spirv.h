@@ -19,8 +19,8 @@ namespace dmvv::compiler::snippet {
 /// In:     a module that glslang made (SPIR-V 1.0 to 1.5, spirv-val accepts it), unoptimised; calls are inlined, early
 ///         returns merged and variables turned into values here, by the passes of SPIRV-Tools.
 /// Errors (input): recursion; what a distance function cannot use or this reader does not know (names the SPIR-V
-///         instruction or built-in); control flow nested deeper than 200; more than 2^16 instructions after inlining
-///         or 4,096 scalars in local arrays.
+///         instruction or built-in); control flow nested deeper than 200; more than 2^20 instructions after inlining,
+///         2^19 instructions of the program or 4,096 scalars in local arrays.
 /// Cost:   that of spirv-opt's inlining and SSA passes, linear otherwise. The same words give the same program.
 Result<Program> read_spirv(std::span<const std::uint32_t> spirv);
 

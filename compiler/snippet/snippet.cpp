@@ -32,6 +32,10 @@ Value Snippet::evaluate(const glm::dvec3& p, double t_ms) const {
   return {result.f, result.finished};
 }
 
+float Snippet::evaluate_single(const glm::vec3& p, float t_ms) const {
+  return evaluate_point<float>(*program_, {p.x, p.y, p.z, t_ms}).f;
+}
+
 Interval Snippet::evaluate(const Box& p, const Interval& t_ms, Rounding rounding) const {
   const std::array<Interval, Program::input_count> inputs{
       Interval{p.lo.x, p.hi.x}, {p.lo.y, p.hi.y}, {p.lo.z, p.hi.z}, t_ms};

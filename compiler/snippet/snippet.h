@@ -81,6 +81,9 @@ class Snippet {
   /// In double. Cost: some 10 ns an instruction.
   Value evaluate(const glm::dvec3& p, double t_ms) const;
 
+  /// In float32, operation by operation, as a device may compute it that fuses nothing. NaN if it does not end.
+  float evaluate_single(const glm::vec3& p, float t_ms) const;
+
   /// Encloses f over the box and the span of time. Branches whose condition is not decided are joined; a loop that is
   /// not decided within the budget, or an instruction that is not understood, gives the unknown interval: never wrong.
   Interval evaluate(const Box& p, const Interval& t_ms, Rounding rounding) const;

@@ -53,7 +53,7 @@ inline std::uint32_t operand_count(const Step& step) {
 /// Makes the residual of a snippet a straight line with the same result at every point: of a branch both sides are
 /// computed and one is chosen, loops are unrolled, arrays become values.
 /// Errors: a loop of which the point or the time decides how often it runs, an array whose place they decide, more than
-///         65,536 steps: in the words of a user ("a loop ...").
+///         262,144 steps: in the words of a user ("a loop ...").
 /// Cost:   linear in the steps made, times the variables where branches meet.
 Result<StraightLine> straighten(const TimeSplit& split);
 

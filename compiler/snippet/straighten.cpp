@@ -14,7 +14,7 @@ namespace dmvv::compiler::snippet {
 
 namespace {
 
-constexpr std::size_t most_steps = 1u << 16;
+constexpr std::size_t most_steps = 1u << 18;
 constexpr std::size_t most_work = 1u << 24;  // values looked at where ways meet
 constexpr int most_rounds = 4096;            // of one loop
 constexpr std::uint32_t cheap_steps = 4;     // that are rather made anew than kept
@@ -74,7 +74,7 @@ class Straightener {
     const auto key = std::make_tuple(step.kind, step.type, step.op, step.operands);
     const auto [known, is_new] = known_.try_emplace(key, static_cast<std::uint32_t>(steps_.size()));
     if (is_new) steps_.push_back(step);
-    if (steps_.size() > most_steps) refuse("it has more than 65,536 steps once its loops are unrolled");
+    if (steps_.size() > most_steps) refuse("it has more than 262,144 steps once its loops are unrolled");
     return known->second;
   }
 

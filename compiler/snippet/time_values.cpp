@@ -531,6 +531,35 @@ void change_registers(Program& program, Change change) {
   program.result = change(program.result);
 }
 
+/// The program with those of its registers alone that it uses, in their order. A schedule has the registers of the whole
+/// program, and every slot evaluates its part anew.
+Program compacted(Program program) {
+  std::vector<bool> used(program.register_count(), false);
+  change_registers(program, [&](Register r) {
+    used[r] = true;
+    return r;
+  });
+  std::vector<Register> number(program.register_count());
+  Register next = 0;
+  const auto keep = [&](Register first, auto& group) {
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < group.size(); ++k) {
+      if (!used[first + k]) continue;
+      number[first + k] = next++;
+      group[kept++] = group[k];
+    }
+    group.resize(kept);
+  };
+  const Register constants = program.first_constant(), variables = program.first_variable();
+  const Register temporaries = program.first_temporary();
+  for (; next < Program::input_count; ++next) number[next] = next;
+  keep(constants, program.constants);
+  keep(variables, program.variables);
+  keep(temporaries, program.temporaries);
+  change_registers(program, [&](Register r) { return number[r]; });
+  return program;
+}
+
 /// Numbers the reads that are left in the residual, in the order of their places.
 void Splitter::number_needed() {
   const Register base = program_.register_count();
@@ -579,8 +608,9 @@ TimeSplit Splitter::finish() {
   for (const TimeSlot& slot : split.slots) results.push_back(slot.result);
   schedule = reaching(schedule, results);
   for (TimeSlot& slot : split.slots) {
-    slot.program = reaching(schedule, {&slot.result, 1});
-    slot.program.result = slot.result;
+    Program part = reaching(schedule, {&slot.result, 1});
+    part.result = slot.result;
+    slot.program = compacted(std::move(part));
   }
   return split;
 }

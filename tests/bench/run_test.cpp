@@ -80,10 +80,13 @@ TEST_CASE("a case that cannot be measured says why, and the others are measured"
     source.files = memory_files({{"scene.voml", "<MVV><OBJECT/></MVV>"}});
     return source;
   };
-  const auto measurements = run_cases({}, cases, {});
+  std::vector<std::size_t> counts;
+  const auto measurements = run_cases(
+      {}, cases, {.progress = {}, .done = [&](const std::vector<Measurement>& so_far) { counts.push_back(so_far.size()); }});
+  CHECK(counts == std::vector<std::size_t>{1, 2});
   REQUIRE(measurements.size() == 2);
   CHECK(measurements[0].failure.find("scene.voml") != std::string::npos);
   CHECK(measurements[1].failure.empty());
-  const auto late = run_cases({}, cases, {.budget_s = 1e-9, .progress = {}});
+  const auto late = run_cases({}, cases, {.budget_s = 1e-9, .progress = {}, .done = {}});
   CHECK(late[1].failure.starts_with("left out"));
 }

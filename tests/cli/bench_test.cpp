@@ -1,8 +1,13 @@
 // dmvv bench as a user calls it; what it measures is tested in tests/bench.
 #include <doctest/doctest.h>
+#include <signal.h>
+#include <sys/wait.h>
 
+#include <chrono>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "tests/cli/program.h"
 #include "tests/cli/scenes.h"
@@ -43,6 +48,34 @@ TEST_CASE("a scene is measured with every setting: table, JSON and plots") {
   CHECK(plot.find("<svg") != std::string::npos);
   CHECK(plot.find("frame of") != std::string::npos);
   CHECK(folder.listing().size() == 4);  // scene, JSON, folder, plot
+}
+
+TEST_CASE("a run that is stopped leaves what it measured, and says where it stood") {
+  const Folder folder;
+  const std::string scene = folder.write("nested.voml", nested_cubes), path = folder.file("b.json");
+  const pid_t bench = start_dmvv({"bench", scene, "--quick", "--size", "64x64", "--json", path}, folder.file("err"));
+  const auto measured = [&] {
+    std::size_t count = 0;
+    for (const json& entry : json::parse(read_file(path))["runs"]) count += entry["failure"].is_null() ? 1 : 0;
+    return count;
+  };
+  const auto has_measured = [&] { return std::filesystem::exists(path) && measured() >= 2; };  // valid whenever it is read
+  const auto last = std::chrono::steady_clock::now() + std::chrono::minutes(5);
+  while (!has_measured() && std::chrono::steady_clock::now() < last) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  kill(bench, SIGKILL);
+  REQUIRE(waitpid(bench, nullptr, 0) == bench);
+  REQUIRE(has_measured());
+
+  const json result = json::parse(folder.read("b.json"));
+  CHECK(result["schema"].is_number());
+  CHECK(result["runs"].size() >= 20);
+  const json& unmeasured = result["runs"].back();
+  CHECK(unmeasured["failure"] == "not measured: the run ended before");
+  const std::string said = folder.read("err");
+  CHECK(said.starts_with("bench: 1/"));
+  CHECK(said.find(result["runs"][0]["id"]) != std::string::npos);
 }
 
 TEST_CASE("what cannot be measured is refused before the work") {

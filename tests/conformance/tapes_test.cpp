@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 
 #include "bench/workload.h"
@@ -120,6 +121,37 @@ TEST_CASE(
     }
   }
   for (const auto& message : device.validation_messages()) FAIL_CHECK(message);
+}
+
+TEST_CASE("an expression of 7,866 operations, one a line, is a tape, and device and reference agree") {
+  const std::string body = bench::expression_text(7866);
+  CHECK(std::ranges::count(body, '\n') == 7866);
+  const compiler::Module module = tests::lowered(scene_of(body));
+  runtime::Device device = open_device();
+  const auto program = tests::compiled(module, {});
+  CHECK(has_tape(program));
+  CHECK(count_wrong(module, program, device, points_of(5, 3000)) == 0);
+  const compiler::Reference reference(module);
+  std::size_t ink = 0;
+  for (const glm::dvec3& p : points_of(6, 3000)) ink += reference.evaluate(p).number == 1 ? 1 : 0;
+  CHECK(ink > 100);
+  CHECK(ink < 1500);
+  CHECK(reference.evaluate({0.99, 0.99, 0.0}).number == 2);
+}
+
+TEST_CASE("what is too large to be code, and cannot be a tape, is refused with the reason") {
+  std::string body = "float d = 4.0;\n";
+  // An array whose element the point chooses is no tape.
+  body += "float a[2]; a[0] = p.x; a[1] = p.y; d = a[int(p.z > 0.0)];\n";
+  for (int i = 0; i < 70'000; ++i) body += fmt::format("d = min(d, p.x + {}.5);\n", i);
+  Diagnostics diagnostics;
+  const auto program = compiler::compile(tests::lowered(scene_of(body + "return d;")), {}, diagnostics);
+  CHECK_FALSE(program);
+  REQUIRE(diagnostics.all().size() == 1);
+  CHECK(info(diagnostics.all()[0].code).number == "E0430");
+  CHECK(diagnostics.all()[0].message.find("an array of it is read or written where the point or the time decides") !=
+        std::string::npos);
+  CHECK(diagnostics.all()[0].span.source.valid());
 }
 
 TEST_CASE("shorten-tapes leaves nothing to do in most cells, and little in the others") {

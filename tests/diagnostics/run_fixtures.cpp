@@ -209,8 +209,9 @@ std::vector<Fixture> all_fixtures() {
 
 /// Codes of other stages, which a scene's text alone cannot show; their own unit tests cover them.
 bool covered_elsewhere(std::string_view number) {
-  return number == "W0402" || number == "W0403" || number.starts_with("E03") || number.starts_with("W03") ||
-         number.starts_with("E055") || number.starts_with("E056") || number.starts_with("W055") || number.starts_with("W06");
+  return (number >= "W0402" && number <= "W0406") || number == "E0430" || number.starts_with("E03") ||
+         number.starts_with("W03") || number.starts_with("E055") || number.starts_with("E056") ||
+         number.starts_with("W055") || number.starts_with("W058") || number.starts_with("W06");
 }
 
 }  // namespace
