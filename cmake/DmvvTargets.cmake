@@ -12,6 +12,8 @@ if(DMVV_SANITIZE)
     -fno-sanitize=vptr -fno-omit-frame-pointer)
   # RPATH, not RUNPATH: modules are opened through the sanitizer's own dlopen, for which the program's RUNPATH does not count.
   target_link_options(dmvv_sanitize INTERFACE -fsanitize=address,undefined -Wl,--disable-new-dtags)
+  target_sources(dmvv_sanitize INTERFACE
+    $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${PROJECT_SOURCE_DIR}/cmake/keep_modules.cpp>)
   if(DMVV_FUZZ)
     target_compile_options(dmvv_sanitize INTERFACE -fsanitize=fuzzer-no-link)
   endif()
