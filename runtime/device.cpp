@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "runtime/gpu.h"
+#include "runtime/own_sines.h"
 
 namespace dmvv::runtime {
 namespace {
@@ -107,13 +108,19 @@ std::string version_text(std::uint32_t version) {
                      VK_API_VERSION_PATCH(version));
 }
 
+vk::PhysicalDeviceDriverProperties driver_of(const vk::raii::PhysicalDevice& physical) {
+  return physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>()
+      .get<vk::PhysicalDeviceDriverProperties>();
+}
+
 DeviceExtras extras_of(const vk::raii::PhysicalDevice& physical) {
   constexpr std::uint32_t least_storage_buffer = 1u << 27;  // bytes that every device allows
   const auto chain = physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>();
   const auto& features = chain.get<vk::PhysicalDeviceFeatures2>().features;
   return {.long_atomics = features.shaderInt64 && chain.get<vk::PhysicalDeviceVulkan12Features>().shaderBufferInt64Atomics,
           .large_texel_buffers = physical.getProperties().limits.maxTexelBufferElements >= least_storage_buffer / 4,
-          .two_word_texels = features.shaderStorageImageExtendedFormats == VK_TRUE};
+          .two_word_texels = features.shaderStorageImageExtendedFormats == VK_TRUE,
+          .fine_sines = driver_of(physical).driverID != vk::DriverId::eGoogleSwiftshader};
 }
 
 std::string driver_text(const vk::PhysicalDeviceProperties& properties, const vk::PhysicalDeviceDriverProperties& driver) {
@@ -122,14 +129,13 @@ std::string driver_text(const vk::PhysicalDeviceProperties& properties, const vk
 }
 
 DeviceInfo describe(const vk::raii::PhysicalDevice& physical, const DeviceExtras& extras) {
-  const auto chain = physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
-  const auto& properties = chain.get<vk::PhysicalDeviceProperties2>().properties;
+  const vk::PhysicalDeviceProperties properties = physical.getProperties();
   const vk::PhysicalDeviceLimits& limits = properties.limits;
   const bool has_record_texels = extras.two_word_texels && limits.maxPerStageDescriptorStorageImages >=
                                                                images_of_pixels + most_texel_buffers;
   return {.name = properties.deviceName,
           .kind = kind_name(properties.deviceType),
-          .driver = driver_text(properties, chain.get<vk::PhysicalDeviceDriverProperties>()),
+          .driver = driver_text(properties, driver_of(physical)),
           .api_version = version_text(properties.apiVersion),
           .max_extent_3d = limits.maxImageDimension3D,
           .max_storage_buffer = limits.maxStorageBufferRange,
@@ -342,6 +348,12 @@ GpuImage Device::Impl::make_image(vk::ImageType type, vk::Format format, vk::Ext
 }
 
 vk::raii::ShaderModule Device::Impl::make_shader(const std::uint32_t* words, std::size_t count) const {
+  std::vector<std::uint32_t> rewritten;
+  if (!extras.fine_sines) {
+    rewritten = with_own_sines({words, count});
+    words = rewritten.data();
+    count = rewritten.size();
+  }
   return device.createShaderModule({.codeSize = 4 * count, .pCode = words});
 }
 

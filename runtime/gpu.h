@@ -53,6 +53,7 @@ struct DeviceExtras {
   bool long_atomics = false;         ///< 64-bit integers, and their atomics in storage buffers
   bool large_texel_buffers = false;  ///< storage texel buffers of no fewer words than storage buffers have on every device
   bool two_word_texels = false;      ///< storage texel buffers of texels of two words
+  bool fine_sines = false;           ///< as good as spec/accuracy.md assumes; else kernels bring their own (runtime/own_sines.h)
 };
 
 struct Device::Impl {
