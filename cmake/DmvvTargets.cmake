@@ -10,7 +10,10 @@ if(DMVV_SANITIZE)
   # Without vptr: Debian's glslang is built without RTTI.
   target_compile_options(dmvv_sanitize INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
     -fno-sanitize=vptr -fno-omit-frame-pointer)
-  target_link_options(dmvv_sanitize INTERFACE -fsanitize=address,undefined)
+  # RPATH, not RUNPATH: modules are opened through the sanitizer's own dlopen, for which the program's RUNPATH does not count.
+  target_link_options(dmvv_sanitize INTERFACE -fsanitize=address,undefined -Wl,--disable-new-dtags)
+  target_sources(dmvv_sanitize INTERFACE
+    $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${PROJECT_SOURCE_DIR}/cmake/keep_modules.cpp>)
   if(DMVV_FUZZ)
     target_compile_options(dmvv_sanitize INTERFACE -fsanitize=fuzzer-no-link)
   endif()
@@ -47,4 +50,16 @@ function(dmvv_data_absent test what)
   message(STATUS "data absent: ${what}")
   add_test(NAME ${test}_data_absent COMMAND ${CMAKE_COMMAND} -E echo "data absent: ${what}")
   set_tests_properties(${test}_data_absent PROPERTIES SKIP_REGULAR_EXPRESSION "data absent")
+endfunction()
+
+# SwiftShader, a second implementation of Vulkan with other limits (Debian: chromium-common; scripts/setup --swiftshader).
+find_file(DMVV_SWIFTSHADER vk_swiftshader_icd.json PATHS /usr/lib/chromium NO_DEFAULT_PATH)
+
+# dmvv_swiftshader_test(TEST COMMAND...): the command on SwiftShader, where it is there, registered as swiftshader_TEST.
+function(dmvv_swiftshader_test test)
+  if(DMVV_SWIFTSHADER)
+    add_test(NAME swiftshader_${test} COMMAND ${ARGN})
+    set_tests_properties(swiftshader_${test} PROPERTIES LABELS swiftshader
+      ENVIRONMENT "VK_DRIVER_FILES=${DMVV_SWIFTSHADER};VK_ICD_FILENAMES=${DMVV_SWIFTSHADER}")
+  endif()
 endfunction()

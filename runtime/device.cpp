@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "runtime/gpu.h"
+#include "runtime/own_sines.h"
 
 namespace dmvv::runtime {
 namespace {
@@ -107,23 +108,38 @@ std::string version_text(std::uint32_t version) {
                      VK_API_VERSION_PATCH(version));
 }
 
-/// Storage texel buffers have texels of two words only with this feature.
-bool has_two_word_texels(const vk::raii::PhysicalDevice& physical) {
-  return physical.getFeatures().shaderStorageImageExtendedFormats == VK_TRUE;
+vk::PhysicalDeviceDriverProperties driver_of(const vk::raii::PhysicalDevice& physical) {
+  return physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>()
+      .get<vk::PhysicalDeviceDriverProperties>();
 }
 
-DeviceInfo describe(const vk::raii::PhysicalDevice& physical) {
-  const auto chain = physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
-  const auto& properties = chain.get<vk::PhysicalDeviceProperties2>().properties;
-  const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
+DeviceExtras extras_of(const vk::raii::PhysicalDevice& physical) {
+  constexpr std::uint32_t least_storage_buffer = 1u << 27;  // bytes that every device allows
+  const auto chain = physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>();
+  const auto& features = chain.get<vk::PhysicalDeviceFeatures2>().features;
+  return {.long_atomics = features.shaderInt64 && chain.get<vk::PhysicalDeviceVulkan12Features>().shaderBufferInt64Atomics,
+          .large_texel_buffers = physical.getProperties().limits.maxTexelBufferElements >= least_storage_buffer / 4,
+          .two_word_texels = features.shaderStorageImageExtendedFormats == VK_TRUE,
+          .fine_sines = driver_of(physical).driverID != vk::DriverId::eGoogleSwiftshader};
+}
+
+std::string driver_text(const vk::PhysicalDeviceProperties& properties, const vk::PhysicalDeviceDriverProperties& driver) {
+  const std::string info = driver.driverInfo.data();
+  return fmt::format("{} ({})", driver.driverName.data(), info.empty() ? version_text(properties.driverVersion) : info);
+}
+
+DeviceInfo describe(const vk::raii::PhysicalDevice& physical, const DeviceExtras& extras) {
+  const vk::PhysicalDeviceProperties properties = physical.getProperties();
+  const vk::PhysicalDeviceLimits& limits = properties.limits;
+  const bool has_record_texels = extras.two_word_texels && limits.maxPerStageDescriptorStorageImages >=
+                                                               images_of_pixels + most_texel_buffers;
   return {.name = properties.deviceName,
           .kind = kind_name(properties.deviceType),
-          .driver = fmt::format("{} ({})", driver.driverName.data(), driver.driverInfo.data()),
+          .driver = driver_text(properties, driver_of(physical)),
           .api_version = version_text(properties.apiVersion),
-          .max_extent_3d = properties.limits.maxImageDimension3D,
-          .max_storage_buffer = properties.limits.maxStorageBufferRange,
-          .max_texel_buffer_elements =
-              has_two_word_texels(physical) ? properties.limits.maxTexelBufferElements : 0};
+          .max_extent_3d = limits.maxImageDimension3D,
+          .max_storage_buffer = limits.maxStorageBufferRange,
+          .max_texel_buffer_elements = has_record_texels ? limits.maxTexelBufferElements : 0};
 }
 
 std::optional<std::uint32_t> compute_queue_family(const vk::raii::PhysicalDevice& physical) {
@@ -134,26 +150,46 @@ std::optional<std::uint32_t> compute_queue_family(const vk::raii::PhysicalDevice
   return std::nullopt;
 }
 
-/// What kernels that list pixels use (shaders/pixel_list.glsl).
-bool has_subgroups(const vk::raii::PhysicalDevice& physical) {
+/// What a device lacks of what every program needs; empty: it can run them. The rest of what kernels use is core in Vulkan 1.2 or
+/// lies within the limits that it guarantees.
+std::vector<std::string> lacks(const vk::raii::PhysicalDevice& physical) {
+  const vk::PhysicalDeviceProperties properties = physical.getProperties();
+  if (properties.apiVersion < VK_API_VERSION_1_2)  // nor may it be asked for more
+    return {fmt::format("Vulkan 1.2: it has {}", version_text(properties.apiVersion))};
+  std::vector<std::string> missing;
+  if (!compute_queue_family(physical)) missing.emplace_back("a queue for compute shaders");
+
   using Feature = vk::SubgroupFeatureFlagBits;
   const auto chain = physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>();
   const auto& subgroups = chain.get<vk::PhysicalDeviceSubgroupProperties>();
-  constexpr auto needed = Feature::eBasic | Feature::eArithmetic | Feature::eBallot;
-  return (subgroups.supportedOperations & needed) == needed &&
-         (subgroups.supportedStages & vk::ShaderStageFlagBits::eCompute);
-}
+  constexpr auto needed = Feature::eBasic | Feature::eArithmetic | Feature::eBallot;  // shaders/pixel_list.glsl
+  if ((subgroups.supportedOperations & needed) != needed || !(subgroups.supportedStages & vk::ShaderStageFlagBits::eCompute))
+    missing.emplace_back("subgroup arithmetic and ballots in compute shaders");
 
-/// The nearest triangle of a pixel is found by an atomic maximum (shaders/triangle.glsl).
-bool has_long_atomics(const vk::raii::PhysicalDevice& physical) {
-  const auto chain = physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>();
-  return chain.get<vk::PhysicalDeviceFeatures2>().features.shaderInt64 &&
-         chain.get<vk::PhysicalDeviceVulkan12Features>().shaderBufferInt64Atomics;
+  const auto require = [&](std::uint32_t there, std::uint32_t wanted, std::string_view what, std::string_view limit) {
+    if (there < wanted) missing.push_back(fmt::format("{} {} a stage: it has {} ({})", wanted, what, there, limit));
+  };
+  const vk::PhysicalDeviceLimits& limits = properties.limits;
+  require(limits.maxPerStageDescriptorStorageBuffers, buffers_of_pixels, "storage buffers", "maxPerStageDescriptorStorageBuffers");
+  require(limits.maxPerStageDescriptorStorageImages, images_of_pixels, "storage images", "maxPerStageDescriptorStorageImages");
+  return missing;
 }
 
 struct Choice {
   vk::raii::PhysicalDevice physical;
+  DeviceExtras extras;
   DeviceInfo info;
+};
+
+/// A device that cannot run programs, and why.
+struct Refusal {
+  std::string name;
+  std::vector<std::string> lacks;
+};
+
+struct Offer {
+  std::vector<Choice> usable;  ///< best first
+  std::vector<Refusal> refused;
 };
 
 /// All devices; none if every driver failed to start.
@@ -165,17 +201,21 @@ std::vector<vk::raii::PhysicalDevice> all_devices(const vk::raii::Instance& inst
   }
 }
 
-/// The devices that can run programs, best first.
-std::vector<Choice> usable_devices(const vk::raii::Instance& instance) {
-  std::vector<Choice> choices;
+Offer offered_devices(const vk::raii::Instance& instance) {
+  Offer offer;
   for (auto& physical : all_devices(instance)) {
-    const bool is_new_enough = physical.getProperties().apiVersion >= VK_API_VERSION_1_2;
-    if (!is_new_enough || !compute_queue_family(physical) || !has_subgroups(physical) || !has_long_atomics(physical)) continue;
-    DeviceInfo info = describe(physical);
-    choices.push_back({std::move(physical), std::move(info)});
+    if (auto missing = lacks(physical); !missing.empty()) {
+      offer.refused.push_back({physical.getProperties().deviceName, std::move(missing)});
+      continue;
+    }
+    const DeviceExtras extras = extras_of(physical);
+    DeviceInfo info = describe(physical, extras);
+    offer.usable.push_back({std::move(physical), extras, std::move(info)});
   }
-  std::ranges::stable_sort(choices, {}, [](const Choice& choice) { return preference(choice.info); });
-  return choices;
+  std::ranges::stable_sort(offer.usable, {}, [](const Choice& choice) {
+    return std::pair(preference(choice.info), choice.extras.long_atomics ? 0 : 1);
+  });
+  return offer;
 }
 
 std::string lower_case(std::string_view text) {
@@ -184,25 +224,32 @@ std::string lower_case(std::string_view text) {
   return lower;
 }
 
-Result<Choice> choose(std::vector<Choice> choices, const std::string& name) {
-  if (choices.empty()) return no_driver("no installed driver offers a device with Vulkan 1.2, a compute queue, subgroup arithmetic and 64-bit atomics");
-  const auto chosen = std::ranges::find_if(choices, [wanted = lower_case(name)](const Choice& choice) {
-    return lower_case(choice.info.name).find(wanted) != std::string::npos;
-  });
-  if (chosen != choices.end()) return std::move(*chosen);
+std::string refusal_text(const Refusal& refused) { return fmt::format("{} lacks {}", refused.name, fmt::join(refused.lacks, "; ")); }
+
+Result<Choice> choose(Offer offer, const std::string& name) {
+  if (offer.usable.empty() && offer.refused.empty()) return no_driver("no installed driver offers a device");
+  const auto is_meant = [wanted = lower_case(name)](const std::string& other) { return lower_case(other).find(wanted) != std::string::npos; };
+  const auto chosen = std::ranges::find_if(offer.usable, [&](const Choice& choice) { return is_meant(choice.info.name); });
+  if (chosen != offer.usable.end()) return std::move(*chosen);
   std::vector<std::string> reasons;
-  for (const Choice& choice : choices)
-    reasons.push_back(fmt::format("there is: {} ({})", choice.info.name, choice.info.kind));
-  return fail(Fault::environment, fmt::format("no Vulkan device has '{}' in its name", name), std::move(reasons));
+  for (const Refusal& refused : offer.refused)
+    if (is_meant(refused.name)) reasons.push_back(refusal_text(refused));
+  const std::string what = offer.usable.empty() ? "no Vulkan device here can run programs"
+                           : reasons.empty()    ? fmt::format("no Vulkan device has '{}' in its name", name)
+                                                : fmt::format("no Vulkan device with '{}' in its name can run programs", name);
+  if (reasons.empty())
+    for (const Refusal& refused : offer.refused) reasons.push_back(refusal_text(refused));
+  for (const Choice& choice : offer.usable) reasons.push_back(fmt::format("there is: {} ({})", choice.info.name, choice.info.kind));
+  return fail(Fault::environment, what, std::move(reasons));
 }
 
 void open_queue(Device::Impl& impl) {
   const std::uint32_t family = compute_queue_family(impl.physical).value();
   const float priority = 1.0f;
   const vk::DeviceQueueCreateInfo queue{.queueFamilyIndex = family, .queueCount = 1, .pQueuePriorities = &priority};
-  const vk::PhysicalDeviceVulkan12Features newer{.shaderBufferInt64Atomics = true};
-  const vk::PhysicalDeviceFeatures features{.shaderStorageImageExtendedFormats = has_two_word_texels(impl.physical),
-                                            .shaderInt64 = true};
+  const vk::PhysicalDeviceVulkan12Features newer{.shaderBufferInt64Atomics = impl.extras.long_atomics};
+  const vk::PhysicalDeviceFeatures features{.shaderStorageImageExtendedFormats = impl.extras.two_word_texels,
+                                            .shaderInt64 = impl.extras.long_atomics};
   impl.device = vk::raii::Device(
       impl.physical, {.pNext = &newer, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue, .pEnabledFeatures = &features});
   impl.queue = impl.device.getQueue(family, 0);
@@ -215,16 +262,17 @@ void open_queue(Device::Impl& impl) {
   }
 }
 
-Result<Device> open_device(const DeviceOptions& options) {
+Result<Device> open_device(const DeviceOptions& options, bool has_extras = true) {
   auto impl = std::make_unique<Device::Impl>();
   auto instance = make_instance(impl->context, options.validation ? impl->log.get() : nullptr);
   if (!instance) return tl::unexpected(instance.error());
   impl->instance = std::move(*instance);
   if (options.validation) impl->messenger = impl->instance.createDebugUtilsMessengerEXT(messenger_info(*impl->log));
-  auto choice = choose(usable_devices(impl->instance), options.name);
+  auto choice = choose(offered_devices(impl->instance), options.name);
   if (!choice) return tl::unexpected(choice.error());
   impl->physical = std::move(choice->physical);
-  impl->info = std::move(choice->info);
+  impl->extras = has_extras ? choice->extras : DeviceExtras{};
+  impl->info = describe(impl->physical, impl->extras);
   impl->cache = options.cache;
   open_queue(*impl);
   return Device(std::move(impl));
@@ -300,6 +348,12 @@ GpuImage Device::Impl::make_image(vk::ImageType type, vk::Format format, vk::Ext
 }
 
 vk::raii::ShaderModule Device::Impl::make_shader(const std::uint32_t* words, std::size_t count) const {
+  std::vector<std::uint32_t> rewritten;
+  if (!extras.fine_sines) {
+    rewritten = with_own_sines({words, count});
+    words = rewritten.data();
+    count = rewritten.size();
+  }
   return device.createShaderModule({.codeSize = 4 * count, .pCode = words});
 }
 
@@ -366,6 +420,10 @@ Result<Device> Device::create(const DeviceOptions& options) {
   });
 }
 
+Result<Device> create_without_extras(const DeviceOptions& options) {
+  return guarded("opening the device", [&] { return open_device(options, false); });
+}
+
 std::shared_future<Result<Device>> Device::create_async(const DeviceOptions& options) {
   if (!options.driver_cache) empty_driver_cache();
   return std::async(std::launch::async, [options] {
@@ -386,7 +444,7 @@ Result<std::vector<DeviceInfo>> list_devices() {
     const auto instance = make_instance(context, nullptr);
     if (!instance) return tl::unexpected(instance.error());
     std::vector<DeviceInfo> infos;
-    for (Choice& choice : usable_devices(*instance)) infos.push_back(std::move(choice.info));
+    for (Choice& choice : offered_devices(*instance).usable) infos.push_back(std::move(choice.info));
     return infos;
   });
 }

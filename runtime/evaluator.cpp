@@ -111,7 +111,25 @@ std::optional<Error> texture_fault(const Device::Impl& gpu, const compiler::Text
   return std::nullopt;
 }
 
+/// Of all kernels those over pixels have the most descriptors.
+std::optional<Error> descriptors_fault(const Device::Impl& gpu, const compiler::Program& program) {
+  const auto in_buffers = static_cast<std::uint32_t>(
+      std::ranges::count(program.buffers, compiler::BufferForm::records, &compiler::Buffer::form));
+  const std::uint32_t in_texels = static_cast<std::uint32_t>(program.buffers.size()) - in_buffers;
+  const auto fault = [&](std::uint32_t wanted, std::uint32_t most, std::string_view what, std::string_view limit) -> std::optional<Error> {
+    if (wanted <= most) return std::nullopt;
+    return Error{Fault::input, fmt::format("the scene needs {} {} a stage; '{}' allows {} ({})", wanted, what, gpu.info.name, most, limit), {}};
+  };
+  const vk::PhysicalDeviceLimits& limits = gpu.limits;
+  if (auto found = fault(buffers_of_pixels + in_buffers, limits.maxPerStageDescriptorStorageBuffers, "storage buffers",
+                         "maxPerStageDescriptorStorageBuffers"))
+    return found;
+  return fault(images_of_pixels + in_texels, limits.maxPerStageDescriptorStorageImages, "storage images",
+               "maxPerStageDescriptorStorageImages");
+}
+
 std::optional<Error> program_fault(const Device::Impl& gpu, const compiler::Program& program) {
+  if (auto fault = descriptors_fault(gpu, program)) return fault;
   for (const compiler::Buffer& buffer : program.buffers) {
     if (auto fault = buffer_fault(gpu, buffer)) return fault;
   }

@@ -42,6 +42,20 @@ struct GpuImage {
   vk::raii::ImageView view{nullptr};
 };
 
+/// Descriptors that kernels over pixels have beside the scene's (runtime/render.cpp, shaders/pixel_io.glsl): images; buffers, the
+/// four of the verdicts included.
+inline constexpr std::uint32_t images_of_pixels = 7, buffers_of_pixels = 8;
+/// Buffers of a scene that can be texels, which count as images (compiler/generate_glsl.h: form_of).
+inline constexpr std::uint32_t most_texel_buffers = 7;
+
+/// What only some devices have, and kernels are chosen by. What all of them must have: runtime/device.cpp.
+struct DeviceExtras {
+  bool long_atomics = false;         ///< 64-bit integers, and their atomics in storage buffers
+  bool large_texel_buffers = false;  ///< storage texel buffers of no fewer words than storage buffers have on every device
+  bool two_word_texels = false;      ///< storage texel buffers of texels of two words
+  bool fine_sines = false;           ///< as good as spec/accuracy.md assumes; else kernels bring their own (runtime/own_sines.h)
+};
+
 struct Device::Impl {
   std::shared_ptr<MessageLog> log;
   vk::raii::Context context;
@@ -54,6 +68,7 @@ struct Device::Impl {
   vk::raii::QueryPool timer{nullptr};  ///< two time stamps; null if the queue has none
   std::uint32_t timer_bits = 0;        ///< of a time stamp that count
   vk::PhysicalDeviceLimits limits;
+  DeviceExtras extras;
   DeviceInfo info;
   std::shared_ptr<const DiskCache> cache;  ///< may be null
 
@@ -68,6 +83,9 @@ struct Device::Impl {
  private:
   vk::raii::DeviceMemory allocate(const vk::MemoryRequirements& needs, MemoryUse use) const;
 };
+
+/// As Device::create, but the device has no extras: its pictures are the same, and take longer.
+Result<Device> create_without_extras(const DeviceOptions& options);
 
 /// The whole of a colour image changes its layout; `before` is made available and visible to `after`.
 vk::ImageMemoryBarrier color_barrier(const GpuImage& image, vk::ImageLayout from, vk::ImageLayout to,

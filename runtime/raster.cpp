@@ -18,8 +18,15 @@
 
 #include "runtime/pipeline_cache.h"
 #include "spirv/raster_parts_comp.h"
+#include "spirv/raster_parts_long_comp.h"
+#include "spirv/raster_parts_long_texels_comp.h"
+#include "spirv/raster_parts_texels_comp.h"
 #include "spirv/raster_surface_comp.h"
+#include "spirv/raster_surface_texels_comp.h"
 #include "spirv/raster_triangles_comp.h"
+#include "spirv/raster_triangles_long_comp.h"
+#include "spirv/raster_triangles_long_texels_comp.h"
+#include "spirv/raster_triangles_texels_comp.h"
 
 namespace dmvv::runtime {
 namespace {
@@ -33,11 +40,6 @@ using Access = vk::AccessFlagBits;
 using Layout = vk::ImageLayout;
 using Stage = vk::PipelineStageFlagBits;
 using Usage = vk::BufferUsageFlagBits;
-
-constexpr std::array<vk::DescriptorType, DMVV_RASTER_BINDINGS> bindings{
-    vk::DescriptorType::eUniformBuffer,      vk::DescriptorType::eStorageTexelBuffer, vk::DescriptorType::eStorageTexelBuffer,
-    vk::DescriptorType::eStorageBuffer,      vk::DescriptorType::eStorageBuffer,      vk::DescriptorType::eStorageBuffer,
-    vk::DescriptorType::eStorageBuffer,      vk::DescriptorType::eStorageImage};
 
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
@@ -61,7 +63,8 @@ glm::uvec4 vertex_texel(const SurfaceVertex& vertex) {
 }
 
 std::optional<Error> size_fault(const Device::Impl& gpu, const Surface& surface) {
-  const std::size_t most = std::min<std::size_t>(gpu.limits.maxTexelBufferElements, 3 * std::size_t{DMVV_DRAWN_TRIANGLE});
+  const std::size_t words = gpu.extras.large_texel_buffers ? gpu.limits.maxTexelBufferElements : gpu.limits.maxStorageBufferRange / 4;
+  const std::size_t most = std::min(words, 3 * std::size_t{DMVV_DRAWN_TRIANGLE});
   if (surface.indices.size() <= most) return std::nullopt;
   return Error{Fault::input,
                fmt::format("the support mesh has {} triangles; '{}' can draw {}", surface.indices.size() / 3, gpu.info.name, most / 3),
@@ -75,19 +78,35 @@ void wait(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlags before
 
 }  // namespace
 
+vk::DescriptorType Rasteriser::descriptor_type(std::uint32_t binding) const {
+  switch (binding) {
+    case DMVV_RASTER_PARAMS:
+      return vk::DescriptorType::eUniformBuffer;
+    case DMVV_RASTER_VERTICES:
+    case DMVV_RASTER_INDICES:
+      return gpu_.extras.large_texel_buffers ? vk::DescriptorType::eStorageTexelBuffer : vk::DescriptorType::eStorageBuffer;
+    case DMVV_RASTER_SURFACE:
+      return vk::DescriptorType::eStorageImage;
+    default:
+      return vk::DescriptorType::eStorageBuffer;
+  }
+}
+
 Rasteriser::Rasteriser(const Device::Impl& gpu) : gpu_(gpu) {
-  std::array<vk::DescriptorSetLayoutBinding, bindings.size()> of_set;
-  for (std::uint32_t i = 0; i < bindings.size(); ++i) {
-    of_set[i] = {.binding = i, .descriptorType = bindings[i], .descriptorCount = 1, .stageFlags = vk::ShaderStageFlagBits::eCompute};
+  std::array<vk::DescriptorSetLayoutBinding, DMVV_RASTER_BINDINGS> of_set;
+  std::array<vk::DescriptorPoolSize, DMVV_RASTER_BINDINGS> sizes;
+  for (std::uint32_t i = 0; i < DMVV_RASTER_BINDINGS; ++i) {
+    const vk::DescriptorType type = descriptor_type(i);
+    of_set[i] = {.binding = i, .descriptorType = type, .descriptorCount = 1, .stageFlags = vk::ShaderStageFlagBits::eCompute};
+    sizes[i] = {type, 1};
   }
   set_layout_ = gpu_.device.createDescriptorSetLayout(vk::DescriptorSetLayoutCreateInfo{}.setBindings(of_set));
-  layout_ = gpu_.device.createPipelineLayout(vk::PipelineLayoutCreateInfo{}.setSetLayouts(*set_layout_));
+  const vk::PushConstantRange step{vk::ShaderStageFlagBits::eCompute, 0, sizeof(std::uint32_t)};
+  layout_ = gpu_.device.createPipelineLayout(vk::PipelineLayoutCreateInfo{}.setSetLayouts(*set_layout_).setPushConstantRanges(step));
   params_ = gpu_.make_buffer(sizeof(gpu::RasterParams), Usage::eUniformBuffer, MemoryUse::upload);
   parts_ = gpu_.make_buffer(part_header_bytes + part_bytes * DMVV_MOST_PARTS,
                             Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst, MemoryUse::device);
   part_count_ = gpu_.make_buffer(sizeof(std::uint32_t), Usage::eTransferDst, MemoryUse::readback);
-  std::vector<vk::DescriptorPoolSize> sizes;
-  for (const vk::DescriptorType type : bindings) sizes.push_back({type, 1});
   pool_ = gpu_.device.createDescriptorPool(
       vk::DescriptorPoolCreateInfo{.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, .maxSets = 1}.setPoolSizes(sizes));
   const vk::DescriptorSetLayout set_layout = *set_layout_;
@@ -123,10 +142,12 @@ Result<void> Rasteriser::set_mesh(const voml::Mesh& mesh, ArrangedMesh arranged)
   mesh_.reset();  // a failure below must not leave the old mesh's name on the new one's buffers
   edges_ = arranged.edges;
   clusters_ = std::move(arranged.clusters);
+  const bool as_texels = gpu_.extras.large_texel_buffers;
   const auto upload = [&](const auto& texels, GpuBuffer& buffer, vk::raii::BufferView& view, vk::Format format) {
     view = nullptr;
-    buffer = upload_buffer(gpu_, texels.data(), texels.size() * sizeof texels[0], Usage::eStorageTexelBuffer);
-    view = gpu_.device.createBufferView({.buffer = *buffer.buffer, .format = format, .range = VK_WHOLE_SIZE});
+    buffer = upload_buffer(gpu_, texels.data(), texels.size() * sizeof texels[0],
+                           as_texels ? Usage::eStorageTexelBuffer : Usage::eStorageBuffer);
+    if (as_texels) view = gpu_.device.createBufferView({.buffer = *buffer.buffer, .format = format, .range = VK_WHOLE_SIZE});
   };
   upload(vertices, vertices_, vertex_texels_, vk::Format::eR32G32B32A32Uint);
   upload(surface.indices, indices_, index_texels_, vk::Format::eR32Uint);
@@ -156,13 +177,21 @@ vk::raii::Pipeline Rasteriser::make_pipeline(std::span<const std::uint32_t> word
   return made;
 }
 
+Rasteriser::Code Rasteriser::code_for(const DeviceExtras& extras) {
+  if (extras.long_atomics && extras.large_texel_buffers)
+    return {raster_triangles_long_texels_comp, raster_parts_long_texels_comp, raster_surface_texels_comp};
+  if (extras.long_atomics) return {raster_triangles_long_comp, raster_parts_long_comp, raster_surface_comp};
+  if (extras.large_texel_buffers) return {raster_triangles_texels_comp, raster_parts_texels_comp, raster_surface_texels_comp};
+  return {raster_triangles_comp, raster_parts_comp, raster_surface_comp};
+}
+
 const Rasteriser::Pipelines& Rasteriser::pipelines_for(const Shot& shot) {
   const KernelKind kind = kernel_kind(shot);
   const auto found = pipelines_.find(kind);
   if (found != pipelines_.end()) return found->second;
+  const Code code = code_for(gpu_.extras);
   return pipelines_
-      .emplace(kind, Pipelines{make_pipeline(raster_triangles_comp, kind), make_pipeline(raster_parts_comp, kind),
-                               make_pipeline(raster_surface_comp, kind)})
+      .emplace(kind, Pipelines{make_pipeline(code.triangles, kind), make_pipeline(code.parts, kind), make_pipeline(code.surface, kind)})
       .first->second;
 }
 
@@ -180,7 +209,7 @@ void Rasteriser::bind() {
   const std::array buffers{&params_, &vertices_, &indices_, &runs_, &nearest_, &shells_, &parts_};
   static_assert(buffers.size() == DMVV_RASTER_SURFACE);
   const auto write = [&](std::uint32_t binding, vk::WriteDescriptorSet written) {
-    written.setDstSet(*set_).setDstBinding(binding).setDescriptorCount(1).setDescriptorType(bindings[binding]);
+    written.setDstSet(*set_).setDstBinding(binding).setDescriptorCount(1).setDescriptorType(descriptor_type(binding));
     gpu_.device.updateDescriptorSets(written, nullptr);
   };
   for (std::uint32_t i = 0; i < buffers.size(); ++i) {
@@ -220,8 +249,12 @@ void Rasteriser::draw(const vk::raii::CommandBuffer& commands, const Shot& shot,
     wait(commands, Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader | Stage::eTransfer,
          Access::eShaderRead | Access::eShaderWrite | Access::eTransferRead);
   };
-  run(kernels.triangles, std::clamp(params.run_count, 1u, most_groups), 1);
-  run(kernels.parts, DMVV_GROUPS_OF_PARTS, 1);
+  for (const std::uint32_t step : {DMVV_STEP_DEPTHS, DMVV_STEP_NUMBERS}) {
+    if (gpu_.extras.long_atomics && step != DMVV_STEP_DEPTHS) break;  // one step finds both
+    commands.pushConstants<std::uint32_t>(*layout_, vk::ShaderStageFlagBits::eCompute, 0, step);
+    run(kernels.triangles, std::clamp(params.run_count, 1u, most_groups), 1);
+    run(kernels.parts, DMVV_GROUPS_OF_PARTS, 1);
+  }
   run(kernels.surface, (tile.size_px.x + DMVV_RUN_TRIANGLES - 1) / DMVV_RUN_TRIANGLES,
       (tile.size_px.y + DMVV_COLUMN_PX - 1) / DMVV_COLUMN_PX);
   commands.copyBuffer(*parts_.buffer, *part_count_.buffer, vk::BufferCopy{0, 0, sizeof(std::uint32_t)});

@@ -54,10 +54,16 @@ class Rasteriser {
   struct Pipelines {
     vk::raii::Pipeline triangles, parts, surface;
   };
+  /// The code of the kernels that draw, for what the device has.
+  struct Code {
+    std::span<const std::uint32_t> triangles, parts, surface;
+  };
+  static Code code_for(const DeviceExtras& extras);
   vk::raii::Pipeline make_pipeline(std::span<const std::uint32_t> words, const KernelKind& kind) const;
   const Pipelines& pipelines_for(const Shot& shot);
   void write_runs(std::span<const DrawCall> calls);
   void bind();
+  vk::DescriptorType descriptor_type(std::uint32_t binding) const;
 
   const Device::Impl& gpu_;
   vk::raii::DescriptorSetLayout set_layout_{nullptr};
@@ -76,7 +82,7 @@ class Rasteriser {
   std::vector<Cluster> clusters_;
   voml::Bounds bounds_{};
   GpuBuffer vertices_, indices_;
-  vk::raii::BufferView vertex_texels_{nullptr}, index_texels_{nullptr};
+  vk::raii::BufferView vertex_texels_{nullptr}, index_texels_{nullptr};  ///< if the device reads the mesh from texels
   std::uint32_t mesh_serial_ = 0;
 };
 

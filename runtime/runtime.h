@@ -37,7 +37,7 @@ struct DeviceInfo {
   std::string api_version;  ///< "1.3.230"
   std::uint32_t max_extent_3d;
   std::uint64_t max_storage_buffer;
-  std::uint32_t max_texel_buffer_elements;  ///< of storage texel buffers; 0: it lacks texels of two words
+  std::uint32_t max_texel_buffer_elements;  ///< of storage texel buffers; 0: it cannot have all records in them
 };
 
 /// Milliseconds of named steps, in order.
@@ -54,8 +54,8 @@ inline constexpr const char* gpu_step = "gpu";
 /// An open Vulkan device; copies are the same. Everything made from it must be destroyed before the last of them.
 class Device {
  public:
-  /// Errors (environment): no Vulkan driver (names the Debian package), no device of that name (lists those there are),
-  /// no validation layer (names the package).
+  /// Errors (environment): no Vulkan driver (names the Debian package), no device of that name (lists those there are), no
+  /// device with all that programs need (says what each lacks), no validation layer (names the package).
   static Result<Device> create(const DeviceOptions& options);
   /// The same in a thread of its own; loading a driver takes some 50 ms. The process' environment must not be changed
   /// while it runs.
@@ -73,7 +73,7 @@ class Device {
   std::shared_ptr<Impl> impl_;
 };
 
-/// Every device Vulkan offers, in the order `create` would prefer them.
+/// Every device that can run programs, as `create` prefers them: by kind, of a kind those with 64-bit atomics first.
 Result<std::vector<DeviceInfo>> list_devices();
 
 class Rasteriser;

@@ -15,14 +15,18 @@ using uvec4 = glm::uvec4;
 
 // Bindings of their descriptor set.
 #define DMVV_RASTER_PARAMS 0
-#define DMVV_RASTER_VERTICES 1  // texels: a position's bits, and a normal as two 16-bit numbers (packSnorm2x16, octahedral)
-#define DMVV_RASTER_INDICES 2   // texels: three vertices a triangle
+#define DMVV_RASTER_VERTICES 1  // four words: a position's bits, and a normal as two 16-bit numbers (packSnorm2x16, octahedral)
+#define DMVV_RASTER_INDICES 2   // a word: three vertices a triangle
 #define DMVV_RASTER_RUNS 3
-#define DMVV_RASTER_NEAREST 4   // of each pixel of the tile: bits of 1 / depth << 32 | ~triangle; 0: none
+#define DMVV_RASTER_NEAREST 4   // of each pixel of the tile, two words: ~triangle, then the bits of 1 / depth; 0: none
 #define DMVV_RASTER_SHELLS 5    // of each pixel: how many times more often the solid is left than entered beyond the cap
 #define DMVV_RASTER_PARTS 6
 #define DMVV_RASTER_SURFACE 7   // image (shaders/surface.glsl)
 #define DMVV_RASTER_BINDINGS 8
+
+// What triangles are drawn for, where that takes two steps (shaders/nearest.glsl): a push constant.
+#define DMVV_STEP_DEPTHS 0u
+#define DMVV_STEP_NUMBERS 1u
 
 // Specialisation constants.
 #define DMVV_RASTER_CUTS 0      // how many cuts there are, if the kernel is made for so many (up to 3); 0xffffffff: any number

@@ -1,10 +1,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#ifdef DMVV_LONG_ATOMICS
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
+#endif
 #include "shaders/raster.h"
 #include "shaders/cuts.glsl"
 #include "shaders/triangle.glsl"
+#include "shaders/nearest.glsl"
 #include "shaders/parts.glsl"
 // A part of a large triangle a group, a row of it an invocation.
 

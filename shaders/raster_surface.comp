@@ -1,7 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
-#extension GL_EXT_shader_atomic_int64 : require
 #include "shaders/raster.h"
 #include "shaders/records.h"
 #include "shaders/cuts.glsl"
@@ -10,6 +8,7 @@
 // What each pixel shows: the nearest triangle, or a cap, where the solid is around the cap's point (runtime/raster.cpp).
 
 layout(local_size_x = DMVV_RUN_TRIANGLES) in;
+layout(set = 0, binding = DMVV_RASTER_NEAREST, std430) readonly buffer Nearest { uvec2 nearest[]; };
 layout(set = 0, binding = DMVV_RASTER_SURFACE, rgba32ui) writeonly uniform uimage2D surface_image;
 
 const float never = 3.0e38;
@@ -94,7 +93,7 @@ void main() {
   uint rows = min(DMVV_COLUMN_PX, screen.size.y - first.y), seen = 0u, capped = 0u;
   for (uint y = 0u; y < rows; ++y) {
     uint index = pixel_index(screen, first + uvec2(0u, y));
-    bool is_seen = nearest[index] != 0;
+    bool is_seen = nearest[index].y != 0u;
     // Where the eye is removed, all that stays lies behind the caps; where it is left, all that stays lies before them.
     bool is_capped = counts_shells && (screen.from_outside || !is_seen) && shells[index] != 0;
     if (is_capped) capped |= 1u << y;
@@ -102,7 +101,7 @@ void main() {
   }
   for (uint left = seen; left != 0u; left &= left - 1u) {
     uvec2 pixel = first + uvec2(0u, findLSB(left));
-    uint number = ~uint(nearest[pixel_index(screen, pixel)]) & DMVV_DRAWN_TRIANGLE;
+    uint number = ~nearest[pixel_index(screen, pixel)].x & DMVV_DRAWN_TRIANGLE;
     imageStore(surface_image, ivec2(pixel), surface_at(screen, number, vec2(pixel) + screen.corner));
   }
   if (counts_shells) {

@@ -1,12 +1,15 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#ifdef DMVV_LONG_ATOMICS
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
+#endif
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #include "shaders/raster.h"
 #include "shaders/cuts.glsl"
 #include "shaders/triangle.glsl"
+#include "shaders/nearest.glsl"
 #include "shaders/parts.glsl"
 // A triangle an invocation. Small ones are drawn at once, large ones in parts later: eight invocations of a CPU take as long
 // as their largest triangle.
@@ -47,6 +50,6 @@ void main() {
       ++row.x;
       if (row.x >= row.y) row = row_of(outline, ++y);
     }
-    divide(outline, is_large ? drawn : 0xffffffffu);
+    divide(outline, is_large && is_first_step() ? drawn : 0xffffffffu);
   }
 }

@@ -1,14 +1,22 @@
 // A triangle at a pixel, in homogeneous coordinates of the screen (Olano and Greer 1997): nothing is divided or clipped,
-// whatever lies behind the eye. Comes after shaders/raster.h, shaders/cuts.glsl; needs
-// GL_EXT_shader_explicit_arithmetic_types_int64 and GL_EXT_shader_atomic_int64.
+// whatever lies behind the eye. Comes after shaders/raster.h and shaders/cuts.glsl. The mesh is read from texels of storage texel
+// buffers (DMVV_TEXELS), or from storage buffers, where texel buffers are short.
 //
 // An edge's sign is the same, turned, for both triangles that share it: it is computed from the two corners alone, by the
 // same operations in the same order, and where it is 0, a pixel counts as lying a little further to the right, or down. So no
 // pixel between them is missed or drawn twice. All of this is `precise`: kernels must agree to the bit.
 
+#ifdef DMVV_TEXELS
 layout(set = 0, binding = DMVV_RASTER_VERTICES, rgba32ui) readonly uniform uimageBuffer vertices;
 layout(set = 0, binding = DMVV_RASTER_INDICES, r32ui) readonly uniform uimageBuffer indices;
-layout(set = 0, binding = DMVV_RASTER_NEAREST, std430) buffer Nearest { uint64_t nearest[]; };
+uvec4 vertex_at(uint i) { return imageLoad(vertices, int(i)); }
+uint index_at(uint i) { return imageLoad(indices, int(i)).x; }
+#else
+layout(set = 0, binding = DMVV_RASTER_VERTICES, std430) readonly buffer Vertices { uvec4 vertices[]; };
+layout(set = 0, binding = DMVV_RASTER_INDICES, std430) readonly buffer Indices { uint indices[]; };
+uvec4 vertex_at(uint i) { return vertices[i]; }
+uint index_at(uint i) { return indices[i]; }
+#endif
 layout(set = 0, binding = DMVV_RASTER_SHELLS, std430) buffer Shells { int shells[]; };
 
 // Of each corner: across and down (shaders/raster.h: right, down), both times its depth.
@@ -16,9 +24,7 @@ struct Triangle {
   vec3 x, y, w;
 };
 
-uvec4 corner_texel(uint triangle, uint corner) {
-  return imageLoad(vertices, int(imageLoad(indices, int(3u * triangle + corner)).x));
-}
+uvec4 corner_texel(uint triangle, uint corner) { return vertex_at(index_at(3u * triangle + corner)); }
 
 // What all pixels of a tile share, read once (shaders/cuts.glsl).
 struct Screen {
@@ -151,26 +157,3 @@ ivec2 row_of(Outline outline, int row) {
 uint pixel_index(Screen screen, uvec2 pixel) { return pixel.y * screen.size.x + pixel.x; }
 
 layout(constant_id = DMVV_RASTER_COUNTS) const bool counts_shells = false;
-
-// What a triangle does to a pixel; `drawn` is its number | DMVV_DRAWN_*.
-void draw_at(Screen screen, uvec2 pixel, Triangle t, bvec3 zero, uint drawn) {
-  vec2 middle = vec2(pixel) + screen.corner;
-  vec3 weights = weights_at(t, middle, screen.scale);
-  bvec3 positive = bvec3(weights.x > 0.0 || (weights.x == 0.0 && zero.x), weights.y > 0.0 || (weights.y == 0.0 && zero.y),
-                         weights.z > 0.0 || (weights.z == 0.0 && zero.z));
-  precise float sum = weights.x + weights.y + weights.z;
-  precise float inverse_depth = sum / (weights.x * t.w.x + weights.y * t.w.y + weights.z * t.w.z);
-  bool is_front = !any(positive), is_back = all(positive);
-  bool covers = (is_front || is_back) && inverse_depth > 0.0 && inverse_depth * screen.near <= 1.0;
-  bool is_cut = (drawn & DMVV_DRAWN_CUT) != 0u;
-  if (counts_shells) {
-    // The cap is where the ray comes into what is left, or, if the eye is in it, goes out.
-    bool is_beyond = !is_cut || is_left(screen.before_cap, middle, inverse_depth) == screen.from_outside;
-    bool is_shell = (drawn & DMVV_DRAWN_COUNTED) != 0u && is_beyond;
-    if (covers && is_shell) atomicAdd(shells[pixel_index(screen, pixel)], is_back ? 1 : -1);
-  }
-  bool is_shown = (drawn & DMVV_DRAWN_SEEN) != 0u && (is_front || (drawn & DMVV_DRAWN_BACKS) != 0u);
-  bool is_seen = is_shown && (!is_cut || is_left(screen.all, middle, inverse_depth));
-  uint64_t key = uint64_t(floatBitsToUint(inverse_depth)) << 32 | uint64_t(~drawn & DMVV_DRAWN_TRIANGLE);
-  if (covers && is_seen) atomicMax(nearest[pixel_index(screen, pixel)], key);
-}

@@ -1,7 +1,7 @@
 // A program over a box. Where a condition is not decided both ways are taken and joined; so a state may leave a loop
 // and stay in it at once, and what has left waits until the rest is out.
 #include <bit>
-#include <optional>
+#include <utility>
 
 #include "compiler/snippet/evaluate.h"
 #include "compiler/snippet/interval.h"
@@ -89,11 +89,16 @@ class BoxMachine {
     Cells variables;
     Cells memory;
   };
+  /// A place where a state may wait. (Not a std::optional: with sanitizers, g++ 12 takes that for uninitialised.)
+  struct Place {
+    bool is_taken = false;
+    State waiting;
+  };
   /// Where states wait that have left a loop or block, or begin its next round.
   struct Construct {
     bool is_loop;
-    std::optional<State> left;
-    std::optional<State> repeated;
+    Place left;
+    Place repeated;
   };
 
   static Cell<Domain> constant(const Constant& constant) {
@@ -130,17 +135,16 @@ class BoxMachine {
     for (std::size_t k = 0; k < other.variables.size(); ++k) join(variables[k], other.variables[k]);
     for (std::size_t k = 0; k < other.memory.size(); ++k) join(memory_[k], other.memory[k]);
   }
-  void resume(std::optional<State>& waiting) {
-    if (!waiting) return;
-    if (alive_) join(*waiting);
-    if (!alive_) restore(*waiting);
+  void resume(const Place& place) {
+    if (!place.is_taken) return;
+    if (alive_) join(place.waiting);
+    else restore(place.waiting);
     alive_ = true;
-    waiting.reset();
   }
-  void wait_in(std::optional<State>& place) {
+  void wait_in(Place& place) {
     if (!alive_) return;
-    if (place) join(*place);
-    place = state();
+    if (place.is_taken) join(place.waiting);
+    place = {true, state()};
     alive_ = false;
   }
 
@@ -185,7 +189,7 @@ class BoxMachine {
   }
 
   void end_construct() {
-    std::optional<State> left = std::move(constructs_.back().left);
+    const Place left = std::move(constructs_.back().left);
     constructs_.pop_back();
     resume(left);
   }
@@ -201,7 +205,7 @@ class BoxMachine {
     if (condition.is_point()) return run(condition.lo != 0 ? branch.body : branch.other);
     const State before = state();
     run(branch.body);
-    std::optional<State> after_body;
+    Place after_body;
     wait_in(after_body);
     restore(before);
     alive_ = true;
@@ -213,11 +217,9 @@ class BoxMachine {
     constructs_.push_back({.is_loop = true, .left = {}, .repeated = {}});
     for (int undecided = 0; alive_ && !gave_up_; spend(1)) {
       run(loop.body);
-      std::optional<State> repeated = std::move(constructs_.back().repeated);
-      constructs_.back().repeated.reset();
-      resume(repeated);
+      resume(std::exchange(constructs_.back().repeated, {}));
       run(loop.other);
-      if (alive_ && constructs_.back().left && ++undecided > max_undecided_rounds) gave_up_ = true;
+      if (alive_ && constructs_.back().left.is_taken && ++undecided > max_undecided_rounds) gave_up_ = true;
     }
     end_construct();
   }

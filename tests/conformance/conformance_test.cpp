@@ -84,6 +84,7 @@ TEST_CASE("every evaluator gives the same region, path and colour") {
 
 TEST_CASE("every filter and format gives what the reference reads from the same texels") {
   runtime::Device device = open_device();
+  const bool is_swiftshader = device.info().name.starts_with("SwiftShader");
   const auto points = points_of(43, 1000);
   for (const auto& scene : tests::conformance_scenes()) {
     const auto module = tests::lowered(scene.text, scene.files);
@@ -91,6 +92,10 @@ TEST_CASE("every filter and format gives what the reference reads from the same 
     CAPTURE(scene.name);
     for (const tests::Setting& setting : tests::grid_settings()) {
       CAPTURE(setting.name);
+      if (is_swiftshader && scene.name == "a tree of 24 decisions" && setting.options.filter == compiler::Filter::tricubic) {
+        MESSAGE("left out: SwiftShader's compiler ends the process on some 1,500 fetches in one kernel (spec/accuracy.md)");
+        continue;
+      }
       auto passed = module;
       compiler::run_passes(passed, setting.options);
       const compiler::Reference reference(passed, tests::reading_of(setting));

@@ -187,7 +187,7 @@ TEST_CASE("the table of kinds: names, colours and radii; faults at their place")
 
 TEST_CASE("gzip: unpacked, several members too; cut short, damaged, and too large are refused") {
   std::string text;
-  for (int i = 0; i < 200000; ++i) text += fmt::format("{} ", i * i % 1000);
+  for (int i = 0; i < 200000; ++i) text += fmt::format("{} ", (i % 1000) * (i % 1000) % 1000);
   const std::string packed = tests::gzip(text);
   CHECK(is_gzip(packed));
   CHECK_FALSE(is_gzip(text));
