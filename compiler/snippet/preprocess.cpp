@@ -275,17 +275,71 @@ void check_brackets(const Tokens& tokens, Prepared& result) {
   }
 }
 
-/// What would make the recursive parts of a compiler too deep.
-void check_limits(const Tokens& tokens, Prepared& result) {
-  std::size_t statement = 0, chain = 0;
-  for (const Token& token : tokens) {
-    statement = token.is(";") || token.is("{") || token.is("}") ? 0 : statement + 1;
-    chain += token.is("else") || token.is("for");
-    if (statement <= max_statement && chain <= max_chain) continue;
-    result.faults.push_back({Code::snippet_syntax, token,
-                             statement > max_statement
-                                 ? fmt::format("this statement is longer than {} tokens", max_statement)
-                                 : fmt::format("there are more than {} 'else' and 'for' up to here", max_chain)});
+/// How deep the recursive parts of a compiler go in a text: bounds of the nesting of expressions and of statements.
+class Depth {
+ public:
+  /// Takes the next token; what is too deep there, empty if nothing.
+  std::string take(const Token* before, const Token& token, const Token* next) {
+    if (token.is("(") || token.is("[") || token.is("{")) {
+      open_.push_back({operators_, statements_, token.is("{"), is_list(before, token)});
+    } else if (token.is(")") || token.is("]") || token.is("}")) {
+      operators_ = open_.back().operators + 1;
+      if (token.is("}")) end_statement(open_.back().statements, next);
+      open_.pop_back();
+    } else if (token.is(";")) {
+      if (open_.empty() || open_.back().is_block) end_statement(open_.empty() ? 0 : open_.back().statements, next);
+    } else if (token.is(",") && !open_.empty() && open_.back().is_list) {
+      operators_ = open_.back().operators;
+    } else if (token.kind == Token::Kind::other) {
+      ++operators_;
+    } else if (nests(before, token)) {
+      ++statements_;
+    }
+    if (operators_ > max_operators) {
+      return fmt::format("this expression has more than {} operators that may nest; compute parts of it before",
+                         max_operators);
+    }
+    if (statements_ > max_chain) {
+      return fmt::format("more than {} 'if', 'else' and loops are nested here", max_chain);
+    }
+    return {};
+  }
+
+ private:
+  struct Open {
+    std::size_t operators, statements;
+    bool is_block, is_list;
+  };
+
+  /// Whether the commas in this bracket separate values: of a call, an initialiser, an array.
+  static bool is_list(const Token* before, const Token& bracket) {
+    if (bracket.is("{")) return true;
+    return before != nullptr && (before->is_identifier() || before->is("]"));
+  }
+
+  static bool nests(const Token* before, const Token& token) {
+    const bool goes_on = before != nullptr && before->is("else") && token.is("if");
+    return !goes_on && (token.is("if") || token.is("else") || token.is("for") || token.is("while") || token.is("do"));
+  }
+
+  void end_statement(std::size_t statements, const Token* next) {
+    operators_ = open_.empty() ? 0 : open_.back().operators;
+    if (next == nullptr || !next->is("else")) statements_ = statements;
+  }
+
+  std::vector<Open> open_;
+  std::size_t operators_ = 0;
+  std::size_t statements_ = 0;
+};
+
+void check_depth(const Tokens& tokens, Prepared& result) {
+  Depth depth;
+  for (std::size_t i = 0; i < tokens.size(); ++i) {
+    const Token* const before = i > 0 ? &tokens[i - 1] : nullptr;
+    const Token* const next = i + 1 < tokens.size() ? &tokens[i + 1] : nullptr;
+    std::string message = depth.take(before, tokens[i], next);
+    if (message.empty()) continue;
+    result.faults.push_back({Code::snippet_syntax, tokens[i], std::move(message)});
     result.complete = false;
     return;
   }
@@ -377,7 +431,7 @@ Prepared prepare(std::span<const std::string_view> texts) {
     const std::size_t faults = result.faults.size();
     check_tokens(tokens, result);
     if (result.faults.size() == faults) check_brackets(tokens, result);
-    if (result.faults.size() == faults) check_limits(tokens, result);
+    if (result.faults.size() == faults) check_depth(tokens, result);
     if (result.faults.size() != faults) continue;
     check_refused(tokens, i + 1 == texts.size(), declared, result);
     respell(tokens, declared, result);

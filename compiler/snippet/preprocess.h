@@ -14,11 +14,11 @@
 namespace dmvv::compiler::snippet {
 
 // Where hostile text is stopped.
-inline constexpr std::size_t max_text_bytes = std::size_t{1} << 19;  ///< of all texts of one snippet
-inline constexpr std::size_t max_tokens = 20000;                     ///< after macros; a few thousand lines
+inline constexpr std::size_t max_text_bytes = std::size_t{1} << 25;  ///< of all texts of one snippet
+inline constexpr std::size_t max_tokens = std::size_t{1} << 22;      ///< after macros; some 100,000s of lines
 inline constexpr std::size_t max_brackets = 100;                     ///< nested
-inline constexpr std::size_t max_statement = 2000;                   ///< tokens of one statement
-inline constexpr std::size_t max_chain = 100;                        ///< of `else` and `for` in one text: they nest
+inline constexpr std::size_t max_operators = 4000;                   ///< of one expression: each may nest in the next
+inline constexpr std::size_t max_chain = 100;                        ///< nested statements, without or with braces
 
 /// What is wrong with a token.
 struct Fault {
