@@ -56,6 +56,34 @@ std::vector<OpenElement> open_elements(std::string_view text, std::size_t stop) 
   return open;
 }
 
+/// A "]]>" that was meant as text: it ends its CDATA section too early, and the one that was meant to do so follows in
+/// the same text.
+struct EarlyEnd {
+  std::size_t early;
+  std::size_t meant;
+};
+
+std::optional<EarlyEnd> find_early_end(std::string_view text) {
+  constexpr std::string_view ends = "]]>";
+  for (std::size_t section = text.find("<!"); section != std::string_view::npos; section = text.find("<!", section)) {
+    const bool is_section = text.substr(section).starts_with("<![CDATA[");
+    if (!is_section) {
+      const bool is_comment = text.substr(section).starts_with("<!--");
+      section = is_comment ? std::min(text.find("-->", section), text.size()) : section + 2;
+      continue;
+    }
+    const std::size_t early = text.find(ends, section);
+    if (early == std::string_view::npos) return std::nullopt;
+    section = early + ends.size();
+    const std::size_t meant = text.find(ends, section);
+    if (meant == std::string_view::npos) return std::nullopt;
+    const std::string_view between = text.substr(section, meant - section);
+    const auto has = [&](std::string_view mark) { return between.find(mark) != std::string_view::npos; };
+    if (!has("</") && !has("<!") && !has("<?") && !has("/>")) return EarlyEnd{early, meant};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::string_view what_went_wrong(pugi::xml_parse_status status) {
@@ -107,6 +135,12 @@ std::unique_ptr<XmlDocument> XmlDocument::parse(SourceId source, std::size_t& el
   }
   if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
     diagnostics.report(Code::not_utf8_text, result->span(zero, zero), "there is a zero byte; this is no text file");
+    return nullptr;
+  }
+  if (const auto end = find_early_end(text)) {
+    diagnostics.report(Code::malformed_xml, result->span(end->early, end->early + 3),
+                       "']]>' ends the CDATA section here; in GLSL write it with a blank, '] ]>'",
+                       {{result->span(end->meant, end->meant + 3), "the section was meant to end here"}});
     return nullptr;
   }
   const auto parsed = result->document_.load_buffer_inplace(
