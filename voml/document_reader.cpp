@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <unordered_map>
+#include <utility>
 
 #include "voml/attributes.h"
 #include "voml/draft.h"
@@ -62,7 +64,12 @@ void DocumentReader::read(const std::string& path) {
     if (element.tag() == Tag::import_file) {
       import(element);
     } else if (element.tag() == Tag::functions) {
+      const std::size_t known = draft_.function_blocks.size();
       read_functions(element, draft_.document_blocks[file.index], draft_, diagnostics_);
+      if (draft_.function_blocks.size() > known) {
+        draft_.function_blocks.back().document = file.index;
+        draft_.function_blocks.back().imports = static_cast<std::uint32_t>(draft_.document_imports[file.index].size());
+      }
     } else {
       const Id<Object> object = read_object(element, {file.path, file.index}, draft_, diagnostics_);
       if (open_.size() == 1) draft_.last_object = object;
@@ -78,6 +85,7 @@ void DocumentReader::read(const std::string& path) {
 bool DocumentReader::open(const std::string& path, Span named_at) {
   const std::size_t index = draft_.document_blocks.size();
   draft_.document_blocks.emplace_back();
+  draft_.document_imports.emplace_back();
   seen_.emplace(path, index);
   auto text = files_(path, max_file_bytes);
   if (!text) {
@@ -128,6 +136,16 @@ void DocumentReader::use_functions_of(std::size_t imported) {
     if (own.size() > max_function_blocks) return;  // refused by connect_functions
     if (std::find(own.begin(), own.end(), block) == own.end()) own.push_back(block);
   }
+  std::vector<std::size_t>& imports = draft_.document_imports[open_.back()->index];
+  const auto add = [&](std::size_t document) {
+    if (std::find(imports.begin(), imports.end(), document) == imports.end()) imports.push_back(document);
+  };
+  const std::vector<std::size_t>& blocks = draft_.document_blocks[imported];
+  const bool has_functions = std::any_of(blocks.begin(), blocks.end(), [&](std::size_t block) {
+    return draft_.function_blocks[block].document == imported;
+  });
+  if (has_functions) return add(imported);
+  for (const std::size_t document : draft_.document_imports[imported]) add(document);  // it passes on what it imports
 }
 
 void DocumentReader::report_import_cycle(const std::string& path, Span named_at) {
@@ -146,8 +164,40 @@ void read_documents(const std::string& path, const ReadFile& files, Draft& draft
   DocumentReader(files, draft, diagnostics).read(path);
 }
 
+namespace {
+
+/// A document's files with FUNCTIONS, itself the last, and their numbers in that list.
+struct FilesOfDocument {
+  std::shared_ptr<const std::vector<FunctionFile>> files;
+  std::unordered_map<std::size_t, std::uint32_t> numbers;
+};
+
+FilesOfDocument files_of(const Draft& draft, std::size_t document) {
+  FilesOfDocument result;
+  auto files = std::make_shared<std::vector<FunctionFile>>();
+  std::vector<std::pair<std::size_t, std::size_t>> open = {{document, 0}};  // documents, and how many imports are done
+  while (!open.empty()) {
+    const std::size_t file = open.back().first;
+    const std::vector<std::size_t>& imports = draft.document_imports[file];
+    if (open.back().second < imports.size()) {
+      const std::size_t next = imports[open.back().second++];
+      if (!result.numbers.contains(next)) open.emplace_back(next, 0);
+      continue;
+    }
+    open.pop_back();
+    if (!result.numbers.emplace(file, static_cast<std::uint32_t>(files->size())).second) continue;
+    FunctionFile& numbered = files->emplace_back();
+    for (const std::size_t import : imports) numbered.imports.push_back(result.numbers.at(import));
+  }
+  result.files = std::move(files);
+  return result;
+}
+
+}  // namespace
+
 void connect_functions(Draft& draft, Diagnostics& diagnostics) {
   std::size_t all_bytes = 0;
+  std::unordered_map<std::size_t, FilesOfDocument> known;
   for (std::size_t i = 0; i < draft.scene.functions.size(); ++i) {
     const ObjectNames& object = draft.names[draft.function_objects[i].index];
     std::vector<std::size_t> blocks = draft.document_blocks[object.document];
@@ -163,8 +213,17 @@ void connect_functions(Draft& draft, Diagnostics& diagnostics) {
                       max_function_blocks, max_helper_bytes, max_all_helper_bytes, blocks.size(), bytes, all_bytes));
       return;
     }
-    std::vector<GlslText>& helpers = draft.scene.functions[i].helpers;
-    for (const std::size_t block : blocks) helpers.push_back(draft.function_blocks[block].content);
+    const auto [files, is_new] = known.try_emplace(object.document);
+    if (is_new) files->second = files_of(draft, object.document);
+    Function& function = draft.scene.functions[i];
+    function.files = files->second.files;
+    for (std::size_t k = 0; k < blocks.size(); ++k) {
+      const FunctionBlock& block = draft.function_blocks[blocks[k]];
+      const bool is_of_object = k >= draft.document_blocks[object.document].size();
+      function.helpers.push_back(block.content);
+      function.places.push_back(is_of_object ? HelperPlace{static_cast<std::uint32_t>(function.files->size()), 0}
+                                             : HelperPlace{files->second.numbers.at(block.document), block.imports});
+    }
   }
 }
 

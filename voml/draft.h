@@ -15,6 +15,8 @@ namespace dmvv::voml {
 struct FunctionBlock {
   GlslText content;
   Span span;
+  std::size_t document = 0;   ///< that it stands in, directly or in an object
+  std::uint32_t imports = 0;  ///< how many of the document's imports stand before
 };
 
 /// What an object defines, by name, and the FUNCTIONS in it (indices into Draft::function_blocks).
@@ -64,7 +66,9 @@ struct Draft {
   std::vector<ObjectNames> names;  ///< parallel to scene.objects
   std::vector<FunctionBlock> function_blocks;
   std::vector<std::vector<std::size_t>> document_blocks;  ///< of each document: its FUNCTIONS and those it imports
-  std::vector<Id<Object>> function_objects;               ///< parallel to scene.functions: where each stands
+  std::vector<std::vector<std::size_t>>
+      document_imports;                      ///< of each document: those with FUNCTIONS that it imports, in order
+  std::vector<Id<Object>> function_objects;  ///< parallel to scene.functions: where each stands
   std::unordered_map<std::string, Id<Object>> objects;
   std::vector<NodeReference> node_references;
   std::vector<ObjectReference> object_references;

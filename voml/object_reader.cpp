@@ -124,7 +124,7 @@ void DefinitionReader::read_source(Element element, Attributes& attributes, Sdf&
                         "'function' is true, but the element has no text that could be the function");
     return;
   }
-  sdf.source = append(scene_.functions, Function{std::move(body->content), body->span, {}});
+  sdf.source = append(scene_.functions, Function{std::move(body->content), body->span, {}, {}, nullptr});
   draft_.function_objects.push_back(object_);
 }
 

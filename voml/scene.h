@@ -4,7 +4,9 @@
 // element that defines it. compiler::lower turns a Scene into matrices and trees.
 #pragma once
 
+#include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -53,11 +55,25 @@ struct GlslText {
 /// The place in its file of bytes [begin, end) of a text.
 Span locate(const GlslText& text, std::uint32_t begin, std::uint32_t end);
 
+/// A file with FUNCTIONS: what they define belongs to it, and is seen by the files that import it.
+struct FunctionFile {
+  std::vector<std::uint32_t> imports;  ///< files that it imports, in order; each stands before it in the list of files
+};
+
+/// Where FUNCTIONS stand.
+struct HelperPlace {
+  std::uint32_t file = 0;     ///< the number of files: in the function's object
+  std::uint32_t imports = 0;  ///< of a file: how many of its imports stand before
+};
+
 /// An analytic distance function: the body of `float f(vec3 p, float t)`, and what it may call.
 struct Function {
   GlslText body;
-  Span span;                      ///< of the SDF element's text
-  std::vector<GlslText> helpers;  ///< FUNCTIONS in scope: of imports and MVV in document order, then of the OBJECT
+  Span span;                        ///< of the SDF element's text
+  std::vector<GlslText> helpers;    ///< FUNCTIONS in scope: of imports and MVV in document order, then of the OBJECT
+  std::vector<HelperPlace> places;  ///< parallel to helpers; empty: all stand in the object
+  std::shared_ptr<const std::vector<FunctionFile>>
+      files;  ///< the last is the object's; shared by its functions, may be null
 };
 
 struct Sdf {
@@ -143,7 +159,7 @@ struct Scene {
 };
 
 struct ReadOptions {
-  std::string root;             ///< name of the root object; empty: the last OBJECT of the document
+  std::string root;              ///< name of the root object; empty: the last OBJECT of the document
   bool load_everything = false;  ///< also open files that nothing reachable from the root needs (`dmvv check`)
 };
 

@@ -1,14 +1,15 @@
 #include "compiler/snippet/glsl_words.h"
 
-#include <algorithm>
+#include <fmt/format.h>
+
 #include <map>
-#include <set>
 #include <string>
+#include <unordered_set>
 
 namespace dmvv::compiler::snippet {
 namespace {
 
-using Words = std::set<std::string_view>;
+using Words = std::unordered_set<std::string_view>;
 
 constexpr std::string_view no_texture =
     "reads textures or images, but a distance function knows p and t alone; a sampled distance is an SDF with a file";
@@ -165,98 +166,6 @@ const Spellings& spellings() {
 
 }  // namespace
 
-const std::vector<std::string_view>& built_in_functions() {
-  static const std::vector<std::string_view> names = {"radians",
-                                                      "degrees",
-                                                      "sin",
-                                                      "cos",
-                                                      "tan",
-                                                      "asin",
-                                                      "acos",
-                                                      "atan",
-                                                      "sinh",
-                                                      "cosh",
-                                                      "tanh",
-                                                      "asinh",
-                                                      "acosh",
-                                                      "atanh",
-                                                      "pow",
-                                                      "exp",
-                                                      "log",
-                                                      "exp2",
-                                                      "log2",
-                                                      "sqrt",
-                                                      "inversesqrt",
-                                                      "abs",
-                                                      "sign",
-                                                      "floor",
-                                                      "trunc",
-                                                      "round",
-                                                      "roundEven",
-                                                      "ceil",
-                                                      "fract",
-                                                      "mod",
-                                                      "modf",
-                                                      "min",
-                                                      "max",
-                                                      "clamp",
-                                                      "mix",
-                                                      "step",
-                                                      "smoothstep",
-                                                      "isnan",
-                                                      "isinf",
-                                                      "floatBitsToInt",
-                                                      "floatBitsToUint",
-                                                      "intBitsToFloat",
-                                                      "uintBitsToFloat",
-                                                      "fma",
-                                                      "frexp",
-                                                      "ldexp",
-                                                      "length",
-                                                      "distance",
-                                                      "dot",
-                                                      "cross",
-                                                      "normalize",
-                                                      "faceforward",
-                                                      "reflect",
-                                                      "refract",
-                                                      "matrixCompMult",
-                                                      "outerProduct",
-                                                      "transpose",
-                                                      "determinant",
-                                                      "inverse",
-                                                      "lessThan",
-                                                      "lessThanEqual",
-                                                      "greaterThan",
-                                                      "greaterThanEqual",
-                                                      "equal",
-                                                      "notEqual",
-                                                      "any",
-                                                      "all",
-                                                      "not",
-                                                      "uaddCarry",
-                                                      "usubBorrow",
-                                                      "umulExtended",
-                                                      "imulExtended",
-                                                      "bitfieldExtract",
-                                                      "bitfieldInsert",
-                                                      "bitfieldReverse",
-                                                      "bitCount",
-                                                      "findLSB",
-                                                      "findMSB",
-                                                      "packUnorm2x16",
-                                                      "packSnorm2x16",
-                                                      "packUnorm4x8",
-                                                      "packSnorm4x8",
-                                                      "unpackUnorm2x16",
-                                                      "unpackSnorm2x16",
-                                                      "unpackUnorm4x8",
-                                                      "unpackSnorm4x8",
-                                                      "packHalf2x16",
-                                                      "unpackHalf2x16"};
-  return names;
-}
-
 const std::vector<std::string>& type_names() {
   static const std::vector<std::string> result = [] {
     std::vector<std::string> names = {"float", "int", "uint", "bool", "void"};
@@ -271,7 +180,8 @@ const std::vector<std::string>& type_names() {
 }
 
 bool is_type(std::string_view word) {
-  return std::find(type_names().begin(), type_names().end(), word) != type_names().end();
+  static const Words words(type_names().begin(), type_names().end());
+  return words.contains(word);
 }
 
 bool is_keyword(std::string_view word) {
@@ -280,6 +190,32 @@ bool is_keyword(std::string_view word) {
                               "continue",  "return",  "true",    "false",  "lowp",   "mediump", "highp",
                               "precision", "precise", "discard", "static", "inline"};
   return words.contains(word);
+}
+
+bool is_vulkan_word(std::string_view word) {
+  if (word.starts_with("i") || word.starts_with("u")) word.remove_prefix(1);
+  const bool has_kind = word.starts_with("texture") || word.starts_with("subpassInput");
+  return (has_kind && is_opaque_type(word)) || word == "sampler" || word == "samplerShadow";
+}
+
+bool is_reserved(std::string_view word) {
+  if (is_vulkan_word(word)) return false;
+  static const Words words = {
+      "attribute", "coherent",  "volatile",      "restrict",      "readonly", "writeonly", "subroutine", "sample",
+      "common",    "partition", "active",        "asm",           "class",    "union",     "enum",       "typedef",
+      "template",  "this",      "resource",      "goto",          "noinline", "public",    "extern",     "external",
+      "interface", "long",      "short",         "unsigned",      "superp",   "input",     "output",     "hvec2",
+      "hvec3",     "hvec4",     "fvec2",         "fvec3",         "fvec4",    "filter",    "sizeof",     "cast",
+      "namespace", "using",     "sampler3DRect", "uniform",       "buffer",   "shared",    "varying",    "layout",
+      "centroid",  "flat",      "smooth",        "noperspective", "patch",    "invariant", "half",       "fixed",
+      "static",    "inline"};
+  return words.contains(word) || is_type(word) || is_keyword(word) || is_double(word) || is_opaque_type(word) ||
+         word.starts_with("gl_") || word.starts_with("dmvv_");
+}
+
+std::string reserved_sentence(std::string_view word) {
+  return fmt::format("'{}' is a word that {} keeps for itself; take another name", word,
+                     word.starts_with("dmvv_") ? "the compiler" : "GLSL");
 }
 
 std::string_view why_refused(std::string_view word, bool is_call) {

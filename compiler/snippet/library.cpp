@@ -1,9 +1,11 @@
 #include "compiler/snippet/library.h"
 
 #include <algorithm>
+#include <unordered_map>
 
 #include "compiler/shader_text.h"
 #include "compiler/snippet/glsl_tokens.h"
+#include "compiler/snippet/names.h"
 
 namespace dmvv::compiler::snippet {
 namespace {
@@ -18,7 +20,8 @@ struct Definition {
 /// The library holds nothing but functions: `type name(...) { ... }`.
 std::vector<Definition> read_definitions(std::string_view text) {
   std::vector<Definition> result;
-  const std::vector<Token> tokens = tokenize(text, 0);
+  WordPool pool;
+  const std::vector<Token> tokens = tokenize(text, 0, pool);
   for (std::size_t i = 0; i + 1 < tokens.size();) {
     Definition definition;
     definition.name = tokens[i + 1].word;
@@ -53,8 +56,23 @@ const std::vector<std::string_view>& library_functions() {
   return result;
 }
 
-std::string library_for(const std::set<std::string_view>& names) {
-  std::set<std::string_view> needed = names;
+const std::vector<std::string>& library_signatures(std::string_view name) {
+  static const std::unordered_map<std::string_view, std::vector<std::string>> known = [] {
+    std::unordered_map<std::string_view, std::vector<std::string>> result;
+    WordPool pool;
+    const std::vector<Token> tokens = tokenize(shader_text::sdf, 0, pool);
+    for (const Declaration& function : global_declarations(tokens)) {
+      result[tokens[function.name].word].push_back(function.signature);
+    }
+    return result;
+  }();
+  static const std::vector<std::string> none;
+  const auto found = known.find(name);
+  return found == known.end() ? none : found->second;
+}
+
+std::string library_for(const std::unordered_set<std::string_view>& names) {
+  std::unordered_set<std::string_view> needed = names;
   std::vector<bool> chosen(definitions().size());
   for (std::size_t i = chosen.size(); i-- > 0;) {  // a function calls only what stands before it
     const Definition& definition = definitions()[i];
