@@ -4,7 +4,7 @@
 #include <array>
 
 #include "authoring/molecule.h"
-#include "voml/text.h"
+#include "base/text.h"
 
 namespace dmvv::authoring {
 namespace {
@@ -13,7 +13,7 @@ bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z')
 
 bool is_any_of(std::string_view word, auto& list) {
   const auto has = [&](std::string_view w) {
-    return std::ranges::any_of(list, [&](std::string_view other) { return voml::same_word(w, other); });
+    return std::ranges::any_of(list, [&](std::string_view other) { return same_word(w, other); });
   };
   return has(word) || (word.size() == 4 && has(word.substr(0, 3)));
 }
@@ -70,9 +70,9 @@ std::string_view element_of_ion(std::string_view name, std::string_view residue)
   const std::string_view letters = letters_of(name);
   const std::string_view three = residue.substr(0, residue.size() == 4 ? 3 : residue.size());
   if (letters.empty() ||
-      (!voml::same_word(letters, letters_of(residue)) && !voml::same_word(letters, letters_of(three))))
+      (!same_word(letters, letters_of(residue)) && !same_word(letters, letters_of(three))))
     return {};
-  const auto ion = std::ranges::find_if(ions, [&](const Ion& i) { return voml::same_word(i.name, letters); });
+  const auto ion = std::ranges::find_if(ions, [&](const Ion& i) { return same_word(i.name, letters); });
   if (ion != ions.end()) return ion->symbol;
   return find_element(letters) ? letters : std::string_view{};
 }
@@ -83,7 +83,7 @@ bool is_of_life(char letter) { return std::string_view("HCNOPSDhcnopsd").find(le
 std::string_view element_at_left(std::string_view name) {
   const std::string_view letters = letters_of(name);
   const bool two =
-      letters.size() == 2 && find_element(letters) && (!is_of_life(letters[0]) || voml::same_word(letters, "CL"));
+      letters.size() == 2 && find_element(letters) && (!is_of_life(letters[0]) || same_word(letters, "CL"));
   return letters.substr(0, two ? 2 : 1);
 }
 
@@ -92,13 +92,13 @@ std::string_view element_at_left(std::string_view name) {
 bool is_water(std::string_view residue) { return is_any_of(residue, waters); }
 
 std::string_view element_of_name(std::string_view columns, std::string_view residue, NameAlignment alignment) {
-  const std::string_view name = voml::trim(columns);
+  const std::string_view name = trim(columns);
   const auto first = std::ranges::find_if(name, is_letter);
   const std::string_view from_letter = name.substr(static_cast<std::size_t>(first - name.begin()));  // "2HB" -> "HB"
   if (from_letter.empty()) return {};
   if (const std::string_view ion = element_of_ion(name, residue); !ion.empty()) return ion;
   if (is_amino_acid(residue) || is_nucleotide(residue))
-    return from_letter.substr(0, voml::same_word(from_letter.substr(0, 2), "SE") ? 2 : 1);
+    return from_letter.substr(0, same_word(from_letter.substr(0, 2), "SE") ? 2 : 1);
   if (alignment == NameAlignment::left || !is_letter(name[0])) return element_at_left(from_letter);
   if (columns[0] != name[0]) return name.substr(0, 1);                                // in the second column
   const bool long_hydrogen = name.size() == 4 && (name[0] == 'H' || name[0] == 'D');  // HG11

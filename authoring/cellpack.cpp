@@ -11,7 +11,7 @@
 
 #include "authoring/json_text.h"
 #include "authoring/text_input.h"
-#include "voml/text.h"
+#include "base/text.h"
 
 namespace dmvv::authoring {
 namespace {
@@ -87,7 +87,7 @@ std::vector<glm::dvec3> points_of(const Json& list) {
 
 double positive_radius(const Json& json) {
   const double radius = number(json);
-  if (!(radius > 0.0) || !voml::usable_scale(radius)) refuse(json, "a radius must be greater than zero");
+  if (!(radius > 0.0) || !usable_scale(radius)) refuse(json, "a radius must be greater than zero");
   return radius;
 }
 

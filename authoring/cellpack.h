@@ -10,7 +10,7 @@
 
 #include "authoring/placement_table.h"
 #include "authoring/placements.h"
-#include "voml/diagnostics.h"
+#include "base/diagnostics.h"
 
 namespace dmvv::authoring {
 

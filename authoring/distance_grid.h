@@ -5,9 +5,9 @@
 #include <functional>
 #include <string>
 
+#include "base/result.h"
 #include "voml/grid.h"
 #include "voml/mesh.h"
-#include "voml/result.h"
 
 namespace dmvv::authoring {
 

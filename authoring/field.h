@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
+#include "base/result.h"
 #include "compiler/module.h"
 #include "voml/mesh.h"
-#include "voml/result.h"
 
 namespace dmvv::authoring {
 

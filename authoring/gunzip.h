@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "voml/result.h"
+#include "base/result.h"
 
 namespace dmvv::authoring {
 

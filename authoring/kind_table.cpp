@@ -7,7 +7,7 @@
 
 #include "authoring/table_text.h"
 #include "authoring/text_input.h"
-#include "voml/text.h"
+#include "base/text.h"
 
 namespace dmvv::authoring {
 namespace {
@@ -17,7 +17,7 @@ std::optional<std::string> parse_rgb(std::string_view text) {
   if (text.size() != 7 || text[0] != '#') return std::nullopt;
   int channels[3] = {0, 0, 0};
   for (std::size_t i = 1; i < 7; ++i) {
-    const auto digit = std::string_view("0123456789abcdef").find(voml::lower_case(text.substr(i, 1)));
+    const auto digit = std::string_view("0123456789abcdef").find(lower_case(text.substr(i, 1)));
     if (digit == std::string_view::npos) return std::nullopt;
     int& channel = channels[(i - 1) / 2];
     channel = 16 * channel + static_cast<int>(digit);
@@ -48,7 +48,7 @@ class Reader {
     const std::vector<Field>& fields = row.fields;
     width_ = fields.size();
     for (std::size_t i = 0; i < width_; ++i) {
-      const std::string name = voml::lower_case(fields[i].text);
+      const std::string name = lower_case(fields[i].text);
       std::size_t* const column = name == "kind" || name == "entity" ? &kind_
                                   : name == "name"                   ? &name_
                                   : name == "rgb"                    ? &rgb_
@@ -75,7 +75,7 @@ class Reader {
     }
     const auto fault = [&](std::size_t column, std::string_view message) {
       rows_.report(Code::table_syntax, fields[column].whole,
-                   fmt::format(fmt::runtime(message), voml::in_quotes(fields[column].text)));
+                   fmt::format(fmt::runtime(message), in_quotes(fields[column].text)));
     };
     KindLook look;
     if (name_ != absent) look.name = fields[name_].text;
@@ -85,7 +85,7 @@ class Reader {
       look.rgb = *rgb;
     }
     if (radius_ != absent && !fields[radius_].text.empty()) {
-      const auto radius = voml::parse_number(fields[radius_].text);
+      const auto radius = parse_number(fields[radius_].text);
       const double* const value = std::get_if<double>(&radius);
       if (!value || !(*value > 0.0))
         return fault(radius_, "{} is no radius" + decimal_point_hint(fields[radius_].text));

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "voml/diagnostics.h"
+#include "base/diagnostics.h"
 
 namespace dmvv::authoring {
 

@@ -11,7 +11,7 @@
 #include "authoring/molecule_readers.h"
 #include "authoring/placements.h"
 #include "authoring/text_input.h"
-#include "voml/text.h"
+#include "base/text.h"
 
 namespace dmvv::authoring {
 namespace {
@@ -37,10 +37,10 @@ std::optional<glm::dvec3> MoleculeBuilder::position(const AtomRecord& record) {
   glm::dvec3 position;
   for (int axis = 0; axis < 3; ++axis) {
     const std::string_view text = record.coordinates[axis];
-    const auto number = voml::parse_number(text);
+    const auto number = parse_number(text);
     if (!std::holds_alternative<double>(number)) {
       report(Code::molecule_syntax, text,
-             fmt::format("the coordinate {} is {}, not a finite number{}", "xyz"[axis], voml::in_quotes(text),
+             fmt::format("the coordinate {} is {}, not a finite number{}", "xyz"[axis], in_quotes(text),
                          decimal_point_hint(text)));
       return std::nullopt;
     }
@@ -53,7 +53,7 @@ void MoleculeBuilder::leave_out_unknown(const AtomRecord& record) {
   const std::string_view element = record.element;
   if (unknown_.empty()) first_unknown_ = element.empty() ? record.coordinates[0] : element;
   const bool nothing = element.empty() || element == "." || element == "?";
-  ++unknown_[nothing ? "not given" : voml::in_quotes(element)];
+  ++unknown_[nothing ? "not given" : in_quotes(element)];
   ++molecule_.unknown_elements;
 }
 
@@ -100,10 +100,10 @@ std::optional<Operator> MoleculeBuilder::read_operator(const std::string_view (&
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 4; ++column) {
       const std::string_view text = rows[row][column];
-      const auto number = voml::parse_number(text);
+      const auto number = parse_number(text);
       if (!std::holds_alternative<double>(number)) {
         report(Code::molecule_assembly, text,
-               fmt::format("a number of an operator is {}, not a finite number", voml::in_quotes(text)));
+               fmt::format("a number of an operator is {}, not a finite number", in_quotes(text)));
         return std::nullopt;
       }
       (column < 3 ? matrix[column][row] : result.translation[row]) = std::get<double>(number);

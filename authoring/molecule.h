@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "voml/diagnostics.h"
+#include "base/diagnostics.h"
 
 namespace dmvv::authoring {
 

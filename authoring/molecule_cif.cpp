@@ -9,7 +9,7 @@
 
 #include "authoring/atom_names.h"
 #include "authoring/molecule_readers.h"
-#include "voml/text.h"
+#include "base/text.h"
 
 namespace dmvv::authoring {
 namespace {
@@ -80,8 +80,8 @@ class Lexer {
     std::size_t end = at_;
     while (end < text_.size() && !is_space(text_[end])) ++end;
     const std::string_view text = text_.substr(at_, end - at_);
-    const auto is = [&](std::string_view w) { return voml::same_word(text, w); };
-    const auto begins = [&](std::string_view w) { return voml::same_word(text.substr(0, w.size()), w); };
+    const auto is = [&](std::string_view w) { return same_word(text, w); };
+    const auto begins = [&](std::string_view w) { return same_word(text.substr(0, w.size()), w); };
     Token::Kind kind = Token::Kind::value;
     if (text.front() == '_')
       kind = Token::Kind::tag;
@@ -156,12 +156,12 @@ class CifReader {
     }
   }
 
-  static bool is_atom_site(std::string_view tag) { return voml::same_word(tag.substr(0, category.size()), category); }
+  static bool is_atom_site(std::string_view tag) { return same_word(tag.substr(0, category.size()), category); }
 
   /// Tells whether a name is that of an item of the atoms.
   static auto is_item(std::size_t item) {
     return [item](const Token& tag) {
-      return is_atom_site(tag.text) && voml::same_word(tag.text.substr(category.size()), item_names[item]);
+      return is_atom_site(tag.text) && same_word(tag.text.substr(category.size()), item_names[item]);
     };
   }
 
@@ -272,13 +272,13 @@ class CifReader {
   static constexpr std::string_view operators_name = "_pdbx_struct_oper_list.";
 
   Category* category_of(std::string_view tag) {
-    const auto begins = [&](std::string_view name) { return voml::same_word(tag.substr(0, name.size()), name); };
+    const auto begins = [&](std::string_view name) { return same_word(tag.substr(0, name.size()), name); };
     return begins(generators_name) ? &generators_ : begins(operators_name) ? &operators_ : nullptr;
   }
 
   std::size_t column_of(const Category& table, std::string_view name, std::string_view item) const {
     const auto found = std::ranges::find_if(table.tags, [&](const Token& tag) {
-      return voml::same_word(tag.text.substr(name.size()), item);
+      return same_word(tag.text.substr(name.size()), item);
     });
     if (found == table.tags.end())
       lexer_.refuse(table.tags.front().whole, fmt::format("the assemblies have no {}{}", name, item));
@@ -318,7 +318,7 @@ class CifReader {
     std::vector<std::string_view> parts;
     for (std::size_t at = 0; at <= list.size();) {
       const std::size_t end = std::min(list.find(',', at), list.size());
-      parts.push_back(voml::trim(list.substr(at, end - at)));
+      parts.push_back(trim(list.substr(at, end - at)));
       at = end + 1;
     }
     return parts;
@@ -328,7 +328,7 @@ class CifReader {
   std::vector<Operator> operators_of(std::string_view expression,
                                      const std::map<std::string_view, std::optional<Operator>>& known) const {
     std::vector<Operator> product{Operator{}};
-    std::string_view rest = voml::trim(expression);
+    std::string_view rest = trim(expression);
     if (rest.empty()) refuse_expression(expression, "the operators of an assembly are not given");
     while (!rest.empty()) {
       std::string_view list = rest;
@@ -336,9 +336,9 @@ class CifReader {
         const std::size_t close = rest.find(')');
         if (close == rest.npos) refuse_expression(rest.substr(0, 1), "a bracket that is not closed");
         list = rest.substr(1, close - 1);
-        rest = voml::trim(rest.substr(close + 1));
+        rest = trim(rest.substr(close + 1));
       } else {
-        if (rest.data() != voml::trim(expression).data() || rest.find_first_of("()") != rest.npos)
+        if (rest.data() != trim(expression).data() || rest.find_first_of("()") != rest.npos)
           refuse_expression(rest, "an expression of operators is one list, or lists in brackets");
         rest = {};
       }
@@ -359,7 +359,7 @@ class CifReader {
     std::vector<Operator> result;
     const auto add = [&](std::string_view id, std::string_view part) {
       const auto found = known.find(id);
-      if (found == known.end()) refuse_expression(part, fmt::format("there is no operator {}", voml::in_quotes(id)));
+      if (found == known.end()) refuse_expression(part, fmt::format("there is no operator {}", in_quotes(id)));
       if (found->second) result.push_back(*found->second);  // else its fault has been reported
     };
     for (const std::string_view part : split(list)) {
@@ -370,7 +370,7 @@ class CifReader {
       }
       const auto first = whole(part.substr(0, dash)), last = whole(part.substr(dash + 1));
       if (!first || !last || *last < *first || *last - *first >= max_operators)
-        refuse_expression(part, fmt::format("{} is no range of operators", voml::in_quotes(part)));
+        refuse_expression(part, fmt::format("{} is no range of operators", in_quotes(part)));
       for (std::size_t i = *first; i <= *last; ++i) add(std::to_string(i), part);
     }
     return result;

@@ -6,12 +6,11 @@
 
 #include "authoring/atom_names.h"
 #include "authoring/molecule_readers.h"
-#include "voml/text.h"
+#include "base/text.h"
 
 namespace dmvv::authoring {
 namespace {
 
-using voml::trim;
 
 /// Columns first..last, counted from 1 as the format does; shorter where the line ends.
 std::string_view columns(std::string_view line, std::size_t first, std::size_t last) {
@@ -21,7 +20,7 @@ std::string_view columns(std::string_view line, std::size_t first, std::size_t l
 bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
 
 bool is_record(std::string_view line, std::string_view name) {
-  return voml::same_word(line.substr(0, name.size()), name);
+  return same_word(line.substr(0, name.size()), name);
 }
 
 /// Some programs write longer serial numbers, from column 5 on.
@@ -31,7 +30,7 @@ bool is_atom(std::string_view line) {
 }
 
 /// The model's end of some programs is END. A MODEL record begins one, which need not have ended the one before.
-bool ends_model(std::string_view line) { return is_record(line, "ENDMDL") || voml::same_word(trim(line), "END"); }
+bool ends_model(std::string_view line) { return is_record(line, "ENDMDL") || same_word(trim(line), "END"); }
 bool begins_model(std::string_view line) { return is_record(line, "MODEL") && trim(columns(line, 6, 6)).empty(); }
 
 /// Columns 77-78; empty where these hold something else: line numbers before 1996, types of force fields in 78-79.

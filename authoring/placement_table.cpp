@@ -10,7 +10,7 @@
 
 #include "authoring/table_text.h"
 #include "authoring/text_input.h"
-#include "voml/text.h"
+#include "base/text.h"
 
 namespace dmvv::authoring {
 namespace {
@@ -51,7 +51,7 @@ class TableReader {
     throw Refusal{};
   }
 
-  static bool is_number(const Field& field) { return std::holds_alternative<double>(voml::parse_number(field.text)); }
+  static bool is_number(const Field& field) { return std::holds_alternative<double>(parse_number(field.text)); }
 
   void read_first(const Row& row) {
     const std::vector<Field>& fields = row.fields;
@@ -60,7 +60,7 @@ class TableReader {
     if (!options_.columns.empty()) {
       for (std::size_t at = 0; at <= options_.columns.size();) {
         const std::size_t end = std::min(options_.columns.find(',', at), options_.columns.size());
-        names.push_back(std::string(voml::trim(options_.columns.substr(at, end - at))));
+        names.push_back(std::string(trim(options_.columns.substr(at, end - at))));
         at = end + 1;
       }
       if (names.size() != fields.size())
@@ -83,7 +83,7 @@ class TableReader {
   /// `in_file`: the names are the fields of this row.
   void name_columns(std::vector<std::string> names, const Row& row, bool in_file) {
     const std::string_view line = row.whole;
-    for (std::string& name : names) name = voml::lower_case(name);
+    for (std::string& name : names) name = lower_case(name);
     const auto named = [&](std::string_view name) { return std::ranges::find(names, name) != names.end(); };
     for (const auto& [other, usual] : other_names)
       if (!named(usual)) std::ranges::replace(names, std::string(other), std::string(usual));
@@ -141,10 +141,10 @@ class TableReader {
     const auto value = [&](std::size_t column) {
       if (columns_[column] == absent) return 0.0;  // an angle
       const Field& field = fields[columns_[column]];
-      const auto number = voml::parse_number(field.text);
+      const auto number = parse_number(field.text);
       if (const double* const v = std::get_if<double>(&number)) return *v;
       rows_.report(Code::table_syntax, field.whole.empty() ? row.whole : field.whole,
-                   fmt::format("'{}' is {}, not a finite number{}", column_names[column], voml::in_quotes(field.text),
+                   fmt::format("'{}' is {}, not a finite number{}", column_names[column], in_quotes(field.text),
                                decimal_point_hint(field.text)));
       good = false;
       return 0.0;
@@ -169,12 +169,12 @@ class TableReader {
     if (columns_[scale] != absent) placement.scale = glm::dvec3(value(scale));
     if (columns_[sx] != absent) placement.scale = {value(sx), value(sy), value(sz)};
     for (int axis = 0; good && axis < 3; ++axis) {
-      if (placement.scale[axis] > 0.0 && voml::usable_scale(placement.scale[axis])) continue;
+      if (placement.scale[axis] > 0.0 && usable_scale(placement.scale[axis])) continue;
       good = false;
       const std::size_t column = columns_[scale] != absent ? scale : sx + static_cast<std::size_t>(axis);
       rows_.report(Code::table_syntax, fields[columns_[column]].whole,
                    fmt::format("'{}' is {}, it must be greater than zero", column_names[column],
-                               voml::in_quotes(fields[columns_[column]].text)));
+                               in_quotes(fields[columns_[column]].text)));
     }
     if (!good) return;
     placement.rotation = rotation->matrix;

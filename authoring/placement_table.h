@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "authoring/placements.h"
-#include "voml/diagnostics.h"
+#include "base/diagnostics.h"
 
 namespace dmvv::authoring {
 

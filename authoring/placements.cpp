@@ -11,7 +11,7 @@
 #include <numbers>
 #include <set>
 
-#include "voml/text.h"
+#include "base/text.h"
 
 namespace dmvv::authoring {
 namespace {
@@ -136,12 +136,12 @@ std::vector<std::string> file_names_of(std::span<const std::string> names) {
     const std::string plain = file_name_of(name);
     std::string unique = plain;
     const auto free = [&] {
-      const std::string lower = voml::lower_case(unique);
+      const std::string lower = lower_case(unique);
       return !taken.contains(lower) && !taken.contains(lower + "_rotate") && !taken.contains(lower + "_scale") &&
              !taken.contains(lower + "_bead");
     };
     for (int i = 2; !free(); ++i) unique = fmt::format("{}_{}", plain, i);
-    for (const char* const ending : {"", "_rotate", "_scale", "_bead", "_bead_scale"}) taken.insert(voml::lower_case(unique) + ending);
+    for (const char* const ending : {"", "_rotate", "_scale", "_bead", "_bead_scale"}) taken.insert(lower_case(unique) + ending);
     result.push_back(unique);
   }
   return result;

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "base/result.h"
 #include "voml/mesh.h"
-#include "voml/result.h"
 
 namespace dmvv::authoring {
 

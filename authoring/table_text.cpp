@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "voml/text.h"
+#include "base/text.h"
 
 namespace dmvv::authoring {
 
@@ -15,7 +15,7 @@ void TableText::report(Code code, std::string_view part, std::string message) {
 std::size_t TableText::line_end(std::size_t from) const { return std::min(text_.find('\n', from), text_.size()); }
 
 void TableText::skip_blanks() {
-  const auto skipped = [&](char c) { return voml::is_blank(c) && c != '\n' && (c != separator_ || separator_ == ' '); };
+  const auto skipped = [&](char c) { return is_blank(c) && c != '\n' && (c != separator_ || separator_ == ' '); };
   while (at_ < text_.size() && skipped(text_[at_])) ++at_;
 }
 
@@ -23,13 +23,13 @@ void TableText::skip_blanks() {
 bool TableText::ends_field(std::size_t i) const {
   if (i == text_.size() || text_[i] == '\n') return true;
   if (comments_ == Comments::anywhere && text_[i] == '#') return true;
-  return separator_ == ' ' ? voml::is_blank(text_[i]) : text_[i] == separator_;
+  return separator_ == ' ' ? is_blank(text_[i]) : text_[i] == separator_;
 }
 
 /// To the first line that holds something.
 bool TableText::skip_to_row() {
   for (; at_ < text_.size(); at_ = line_end(at_) + 1) {
-    const std::string_view line = voml::trim(text_.substr(at_, line_end(at_) - at_));
+    const std::string_view line = trim(text_.substr(at_, line_end(at_) - at_));
     const bool comment =
         comments_ == Comments::anywhere ? line.starts_with('#') : line == "#" || line.starts_with("# ");
     if (!line.empty() && !comment) return true;
@@ -46,7 +46,7 @@ void TableText::find_separator() {
     if (!quoted && comments_ == Comments::anywhere && text_[i] == '#') break;
     if (!quoted) outside += text_[i];
   }
-  const std::string_view row = voml::trim(outside);
+  const std::string_view row = trim(outside);
   separator_ = blanks_ ? ' ' : ',';
   for (const char c : {'\t', ',', ';'}) {
     if (row.find(c) == row.npos) continue;
@@ -83,7 +83,7 @@ std::optional<Field> TableText::field() {
   if (at_ < text_.size() && text_[at_] == '"') return quoted_field();
   const std::size_t begin = at_;
   while (!ends_field(at_)) ++at_;
-  const std::string_view text = voml::trim(text_.substr(begin, at_ - begin));
+  const std::string_view text = trim(text_.substr(begin, at_ - begin));
   return Field{text, text};
 }
 
@@ -104,7 +104,7 @@ std::optional<Row> TableText::next() {
       more = at_ < text_.size() && text_[at_] != '\n' && !(comments_ == Comments::anywhere && text_[at_] == '#');
       if (more) ++at_;  // the separator
     }
-    row.whole = voml::trim(text_.substr(begin, at_ - begin));
+    row.whole = trim(text_.substr(begin, at_ - begin));
     at_ = line_end(at_) + 1;
     const auto is_empty = [](const Field& f) { return f.text.empty(); };
     if (!std::ranges::all_of(row.fields, is_empty)) return row;

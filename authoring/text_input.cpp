@@ -6,15 +6,15 @@
 #include <variant>
 
 #include "authoring/gunzip.h"
-#include "voml/limits.h"
-#include "voml/text.h"
+#include "base/limits.h"
+#include "base/text.h"
 
 namespace dmvv::authoring {
 namespace {
 
 /// Why the bytes are no text that can be read; null if they are.
 const char* why_unreadable(std::string_view bytes) {
-  if (bytes.size() > voml::max_file_bytes) return "the file is 4 GiB or longer";
+  if (bytes.size() > max_file_bytes) return "the file is 4 GiB or longer";
   if (is_gzip(bytes)) return "the file is compressed; unpack it first: gunzip";
   if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff"))
     return "the file is UTF-16; convert it to UTF-8: iconv -f UTF-16 -t UTF-8";
@@ -37,10 +37,10 @@ std::optional<SourceId> add_text(const std::string& path, std::string_view bytes
 }
 
 std::string decimal_point_hint(std::string_view text) {
-  std::string pointed(voml::trim(text));
+  std::string pointed(trim(text));
   if (std::ranges::count(pointed, ',') != 1) return {};
   std::ranges::replace(pointed, ',', '.');
-  if (!std::holds_alternative<double>(voml::parse_number(pointed))) return {};
+  if (!std::holds_alternative<double>(parse_number(pointed))) return {};
   return fmt::format("; write {}, with a point", pointed);
 }
 

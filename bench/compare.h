@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "voml/result.h"
+#include "base/result.h"
 
 namespace dmvv::bench {
 

@@ -3,8 +3,8 @@
 
 #include <cstdio>
 
+#include "base/files.h"
 #include "bench/compare.h"
-#include "voml/files.h"
 
 namespace {
 

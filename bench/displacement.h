@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "voml/result.h"
+#include "base/result.h"
 
 namespace dmvv::bench {
 

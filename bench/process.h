@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "voml/result.h"
+#include "base/result.h"
 
 namespace dmvv::bench {
 

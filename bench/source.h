@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "base/files.h"
 #include "runtime/view.h"
-#include "voml/files.h"
 
 namespace dmvv::bench {
 

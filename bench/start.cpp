@@ -6,8 +6,8 @@
 #include <chrono>
 #include <optional>
 
+#include "base/files.h"
 #include "bench/process.h"
-#include "voml/files.h"
 
 namespace dmvv::bench {
 namespace {

@@ -12,12 +12,12 @@
 #include <numbers>
 #include <optional>
 
+#include "base/files.h"
 #include "bench/stress_scenes.h"
 #include "compiler/affine.h"
 #include "compiler/compile.h"
 #include "compiler/flatten.h"
 #include "compiler/reference.h"
-#include "voml/files.h"
 
 namespace dmvv::stress {
 

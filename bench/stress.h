@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "runtime/runtime.h"
-#include "voml/result.h"
 
 namespace dmvv::stress {
 

@@ -12,6 +12,7 @@
 #include <optional>
 #include <thread>
 
+#include "base/content_hash.h"
 #include "cli/commands.h"
 #include "cli/encoder.h"
 #include "cli/frame_folder.h"
@@ -20,7 +21,6 @@
 #include "cli/progress.h"
 #include "cli/view_options.h"
 #include "runtime/calibrate.h"
-#include "voml/content_hash.h"
 
 namespace dmvv::cli {
 namespace {

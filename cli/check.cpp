@@ -8,11 +8,11 @@
 #include <memory>
 #include <optional>
 
+#include "base/files.h"
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "cli/progress.h"
 #include "compiler/lint.h"
-#include "voml/files.h"
 
 namespace dmvv::cli {
 namespace {

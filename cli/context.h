@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/diagnostics.h"
+#include "base/result.h"
 #include "runtime/runtime.h"
-#include "voml/diagnostics.h"
-#include "voml/result.h"
 
 namespace dmvv::cli {
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <string>
 
+#include "base/result.h"
 #include "compiler/program.h"
-#include "voml/result.h"
 
 namespace dmvv::cli {
 

@@ -14,7 +14,7 @@
 #include <system_error>
 #include <utility>
 
-#include "voml/files.h"
+#include "base/files.h"
 #include "voml/image_file.h"
 
 extern char** environ;

@@ -9,10 +9,10 @@
 #include <iterator>
 #include <memory>
 
+#include "base/files.h"
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "cli/outputs.h"
-#include "voml/files.h"
 #include "voml/format.h"
 
 namespace dmvv::cli {

@@ -12,7 +12,7 @@
 #include <system_error>
 #include <utility>
 
-#include "voml/files.h"
+#include "base/files.h"
 
 namespace dmvv::cli {
 namespace {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/result.h"
 #include "cli/frames.h"
-#include "voml/result.h"
 
 namespace dmvv::cli {
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "voml/files.h"
+#include "base/files.h"
 
 namespace dmvv::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "voml/result.h"
+#include "base/result.h"
 
 namespace dmvv::cli {
 

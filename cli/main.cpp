@@ -8,8 +8,8 @@
 #include <new>
 #include <variant>
 
+#include "base/text.h"
 #include "cli/commands.h"
-#include "voml/text.h"
 
 namespace dmvv::cli {
 namespace {
@@ -40,7 +40,7 @@ int report_usage(const CLI::App& app, const CLI::ParseError& error) {
   }
   std::vector<std::string> ways_out{fmt::format("see {} --help", command)};
   const auto is_number = [](const std::string& word) {
-    return std::holds_alternative<double>(voml::parse_number(word));
+    return std::holds_alternative<double>(parse_number(word));
   };
   if (!app.get_subcommands().empty() && std::ranges::any_of(app.remaining(true), is_number)) {
     ways_out.insert(ways_out.begin(), "numbers that belong together stand in quotes, as in --point \"0 0.2 0.1\"");

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "base/files.h"
 #include "cli/context.h"
 #include "compiler/compile.h"
 #include "compiler/module.h"
 #include "runtime/runtime.h"
-#include "voml/files.h"
 #include "voml/mesh.h"
 #include "voml/scene.h"
 

@@ -8,8 +8,8 @@
 #include <cctype>
 #include <filesystem>
 
+#include "base/files.h"
 #include "cli/context.h"
-#include "voml/files.h"
 
 namespace dmvv::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "voml/result.h"
+#include "base/result.h"
 
 namespace dmvv::cli {
 

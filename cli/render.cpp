@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "base/files.h"
 #include "cli/commands.h"
 #include "cli/outputs.h"
 #include "cli/view_options.h"
-#include "voml/files.h"
 
 namespace dmvv::cli {
 namespace {

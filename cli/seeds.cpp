@@ -13,11 +13,11 @@
 #include "authoring/molecule.h"
 #include "authoring/placement_table.h"
 #include "authoring/placements.h"
+#include "base/text.h"
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "cli/outputs.h"
 #include "voml/format.h"
-#include "voml/text.h"
 
 namespace dmvv::cli {
 namespace {
@@ -392,8 +392,8 @@ int molecule_seeds(const SeedsOptions& options, Context& context) {
 std::string format_of(const SeedsOptions& options) {
   if (options.format != "auto") return options.format;
   std::filesystem::path path(options.input);
-  if (voml::lower_case(path.extension().string()) == ".gz") path.replace_extension();
-  const std::string ending = voml::lower_case(path.extension().string());
+  if (lower_case(path.extension().string()) == ".gz") path.replace_extension();
+  const std::string ending = lower_case(path.extension().string());
   if (ending == ".json" || ending == ".cpr") return "cellpack";
   return ending == ".csv" || ending == ".tsv" || ending == ".txt" ? "table" : "molecule";
 }

@@ -8,13 +8,13 @@ set(DMVV_PUBLIC_HEADERS
   compiler/module.h compiler/program.h compiler/reference.h compiler/snippet/snippet.h compiler/stage_options.h compiler/tape_options.h
   runtime/disk_cache.h runtime/runtime.h runtime/view.h
   shaders/records.h
-  voml/diagnostic_codes.def voml/diagnostics.h voml/files.h voml/format.h voml/grid.h voml/id.h voml/mesh.h voml/result.h voml/scene.h)
+  base/diagnostic_codes.def base/diagnostics.h base/files.h voml/format.h voml/grid.h base/id.h voml/mesh.h base/result.h voml/scene.h)
 foreach(header IN LISTS DMVV_PUBLIC_HEADERS)
   cmake_path(GET header PARENT_PATH folder)
   install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/dmvv/${folder})
 endforeach()
 
-install(TARGETS dmvv_voml dmvv_compiler dmvv_runtime dmvv_authoring EXPORT dmvvTargets
+install(TARGETS dmvv_base dmvv_voml dmvv_compiler dmvv_runtime dmvv_authoring EXPORT dmvvTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS dmvv_image_codec LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/dmvv)
 install(TARGETS dmvv RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})

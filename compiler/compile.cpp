@@ -11,10 +11,10 @@
 #include "compiler/generate_glsl.h"
 #include "compiler/judge.h"
 #include "compiler/passes.h"
-#include "compiler/tapes.h"
 #include "compiler/reference.h"
 #include "compiler/snippet/time_values.h"
 #include "compiler/steepness.h"
+#include "compiler/tapes.h"
 #include "compiler/texels.h"
 #include "compiler/thesis.h"
 

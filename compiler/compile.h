@@ -6,13 +6,13 @@
 #include <string_view>
 #include <vector>
 
+#include "base/result.h"
 #include "compiler/code_cache.h"
 #include "compiler/cost_model.h"
 #include "compiler/module.h"
 #include "compiler/program.h"
 #include "compiler/stage_options.h"
 #include "compiler/tape_options.h"
-#include "voml/result.h"
 
 namespace dmvv::compiler {
 

@@ -10,10 +10,10 @@
 #include <optional>
 #include <queue>
 
+#include "base/parallel.h"
 #include "compiler/flatten.h"
 #include "compiler/grid_bounds.h"
 #include "compiler/lookup.h"
-#include "compiler/parallel.h"
 
 namespace dmvv::compiler {
 

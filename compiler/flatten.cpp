@@ -7,7 +7,7 @@
 #include <functional>
 #include <glm/common.hpp>
 
-#include "compiler/parallel.h"
+#include "base/parallel.h"
 
 namespace dmvv::compiler {
 

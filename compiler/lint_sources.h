@@ -1,9 +1,9 @@
 // Inside compiler: what lint says of the source of one SDF, wherever it is used.
 #pragma once
 
+#include "base/diagnostics.h"
 #include "compiler/lint_samples.h"
 #include "compiler/module.h"
-#include "voml/diagnostics.h"
 
 namespace dmvv::compiler {
 

@@ -10,10 +10,10 @@
 #include <variant>
 #include <vector>
 
+#include "base/id.h"
 #include "compiler/affine.h"
 #include "compiler/snippet/snippet.h"
 #include "voml/grid.h"
-#include "voml/id.h"
 #include "voml/scene.h"
 
 namespace dmvv::compiler {

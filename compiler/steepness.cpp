@@ -5,9 +5,9 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "base/parallel.h"
 #include "compiler/grid_bounds.h"
 #include "compiler/judge.h"
-#include "compiler/parallel.h"
 
 namespace dmvv::compiler {
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <unordered_map>
 
-#include "compiler/parallel.h"
+#include "base/parallel.h"
 #include "shaders/records.h"
 
 namespace dmvv::compiler {

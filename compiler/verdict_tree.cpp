@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <glm/common.hpp>
 
-#include "compiler/parallel.h"
+#include "base/parallel.h"
 
 namespace dmvv::compiler {
 

@@ -11,7 +11,7 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "voml/files.h"
+#include "base/files.h"
 #include "voml/grid.h"
 
 namespace assets {

@@ -14,7 +14,7 @@
 #include <fstream>
 #include <vector>
 
-#include "voml/content_hash.h"
+#include "base/content_hash.h"
 
 namespace dmvv::runtime {
 namespace {

@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "compiler/program.h"
 #include "runtime/disk_cache.h"
 #include "runtime/view.h"
 #include "voml/mesh.h"
-#include "voml/result.h"
 
 namespace dmvv::runtime {
 

@@ -5,11 +5,11 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
+#include "base/result.h"
 #include "runtime/view.h"
 #include "shaders/raster.h"
 #include "shaders/records.h"
 #include "voml/mesh.h"
-#include "voml/result.h"
 
 namespace dmvv::runtime {
 

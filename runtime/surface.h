@@ -5,8 +5,8 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "base/result.h"
 #include "voml/mesh.h"
-#include "voml/result.h"
 
 namespace dmvv::runtime {
 

@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/result.h"
 #include "voml/mesh.h"
-#include "voml/result.h"
 
 namespace dmvv::runtime {
 

@@ -4,9 +4,9 @@
 
 #include <filesystem>
 
-#include "voml/limits.h"
+#include "base/limits.h"
+#include "base/text.h"
 #include "voml/seeds.h"
-#include "voml/text.h"
 
 namespace dmvv::voml {
 namespace {

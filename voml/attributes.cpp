@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voml/limits.h"
+#include "base/limits.h"
 
 namespace dmvv::voml {
 

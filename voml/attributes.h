@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/text.h"
 #include "voml/scene.h"
-#include "voml/text.h"
 #include "voml/xml_document.h"
 
 namespace dmvv::voml {

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <exception>
 
+#include "base/limits.h"
+#include "base/text.h"
 #include "voml/grid.h"
 #include "voml/image_file.h"
-#include "voml/limits.h"
 #include "voml/picture_bytes.h"
-#include "voml/text.h"
 
 namespace dmvv::voml {
 namespace {

@@ -6,9 +6,9 @@
 #include <unordered_map>
 #include <utility>
 
+#include "base/limits.h"
 #include "voml/attributes.h"
 #include "voml/draft.h"
-#include "voml/limits.h"
 #include "voml/object_reader.h"
 
 namespace dmvv::voml {

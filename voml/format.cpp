@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/limits.h"
+#include "base/text.h"
 #include "voml/attributes.h"
-#include "voml/limits.h"
-#include "voml/text.h"
 #include "voml/xml_document.h"
 
 namespace dmvv::voml {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "voml/diagnostics.h"
+#include "base/diagnostics.h"
 
 namespace dmvv::voml {
 

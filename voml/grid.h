@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "voml/diagnostics.h"
+#include "base/diagnostics.h"
 
 namespace dmvv::voml {
 

@@ -13,9 +13,9 @@
 #include <numeric>
 #include <span>
 
-#include "voml/encoding.h"
+#include "base/encoding.h"
+#include "base/text.h"
 #include "voml/mesh_readers.h"
-#include "voml/text.h"
 
 namespace dmvv::voml {
 

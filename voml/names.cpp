@@ -1,9 +1,9 @@
 // Names -> ids: trees, embeddings, the root.
 #include <fmt/format.h>
 
+#include "base/text.h"
 #include "voml/draft.h"
 #include "voml/scene_graph.h"
-#include "voml/text.h"
 
 namespace dmvv::voml {
 namespace {

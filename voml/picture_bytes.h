@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "voml/result.h"
+#include "base/result.h"
 
 namespace dmvv::voml {
 

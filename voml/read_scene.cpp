@@ -5,9 +5,9 @@
 #include <limits>
 #include <new>
 
+#include "base/text.h"
 #include "voml/draft.h"
 #include "voml/scene_graph.h"
-#include "voml/text.h"
 
 namespace dmvv::voml {
 namespace {

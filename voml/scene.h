@@ -12,10 +12,10 @@
 #include <variant>
 #include <vector>
 
-#include "voml/diagnostics.h"
-#include "voml/files.h"
+#include "base/diagnostics.h"
+#include "base/files.h"
+#include "base/id.h"
 #include "voml/grid.h"
-#include "voml/id.h"
 
 namespace dmvv::voml {
 

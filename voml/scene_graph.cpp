@@ -4,7 +4,7 @@
 
 #include <unordered_set>
 
-#include "voml/text.h"
+#include "base/text.h"
 
 namespace dmvv::voml {
 

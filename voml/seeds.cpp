@@ -5,9 +5,9 @@
 
 #include <algorithm>
 
-#include "voml/encoding.h"
-#include "voml/limits.h"
-#include "voml/text.h"
+#include "base/encoding.h"
+#include "base/limits.h"
+#include "base/text.h"
 
 namespace dmvv::voml {
 namespace {

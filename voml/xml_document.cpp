@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 
-#include "voml/encoding.h"
+#include "base/encoding.h"
+#include "base/limits.h"
+#include "base/text.h"
 #include "voml/glsl_text.h"
-#include "voml/limits.h"
-#include "voml/text.h"
 
 namespace dmvv::voml {
 namespace {

@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "voml/diagnostics.h"
+#include "base/diagnostics.h"
+#include "base/text.h"
 #include "voml/scene.h"
-#include "voml/text.h"
 
 namespace dmvv::voml {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/diagnostics.h"
 #include "compiler/snippet/glslang_front.h"
-#include "voml/diagnostics.h"
 
 namespace dmvv::compiler::snippet {
 

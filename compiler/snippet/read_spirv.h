@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
+#include "base/result.h"
 #include "compiler/snippet/program.h"
-#include "voml/result.h"
 
 namespace dmvv::compiler::snippet {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "compiler/snippet/program.h"
-#include "voml/result.h"
 
 namespace dmvv::compiler::snippet {
 

@@ -12,10 +12,10 @@
 #include <span>
 #include <vector>
 
+#include "base/result.h"
 #include "compiler/snippet/evaluate.h"
 #include "compiler/snippet/program.h"
 #include "compiler/snippet/time_values.h"
-#include "voml/result.h"
 
 namespace dmvv::compiler::snippet {
 

@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "authoring/triangle_tree.h"
-#include "voml/files.h"
+#include "base/files.h"
 #include "voml/mesh.h"
 
 namespace {

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "authoring/molecule.h"
-#include "voml/files.h"
+#include "base/files.h"
 
 namespace {
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "base/files.h"
 #include "examples/noise.h"
-#include "voml/files.h"
 #include "voml/grid.h"
 
 namespace {

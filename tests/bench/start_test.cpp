@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <sstream>
 
-#include "voml/files.h"
+#include "base/files.h"
 
 namespace dmvv::bench {
 namespace {

@@ -18,11 +18,11 @@
 #include <sstream>
 #include <thread>
 
+#include "base/content_hash.h"
 #include "cli/frames.h"
 #include "cli/progress.h"
 #include "tests/cli/program.h"
 #include "tests/cli/scenes.h"
-#include "voml/content_hash.h"
 
 using namespace dmvv::cli;
 using namespace dmvv::test;

@@ -13,11 +13,11 @@
 #include <set>
 #include <sstream>
 
+#include "base/files.h"
 #include "runtime/runtime.h"
 #include "tests/random/points.h"
 #include "tests/support/agreement.h"
 #include "tests/support/scenes.h"
-#include "voml/files.h"
 #include "voml/scene.h"
 
 using namespace dmvv;

@@ -8,10 +8,10 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "base/files.h"
 #include "runtime/runtime.h"
 #include "tests/random/points.h"
 #include "tests/support/agreement.h"
-#include "voml/files.h"
 
 using namespace dmvv;
 

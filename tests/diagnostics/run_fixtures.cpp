@@ -16,11 +16,11 @@
 #include <set>
 #include <sstream>
 
+#include "base/limits.h"
 #include "compiler/snippet/snippet.h"
 #include "tests/support/scene_text.h"
 #include "tests/unit/voml/test_files.h"
 #include "voml/format.h"
-#include "voml/limits.h"
 #include "voml/scene.h"
 
 using namespace dmvv;

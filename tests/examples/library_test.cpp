@@ -6,12 +6,12 @@
 #include <regex>
 #include <set>
 
+#include "base/files.h"
 #include "compiler/lint.h"
 #include "runtime/runtime.h"
 #include "tests/cli/program.h"
 #include "tests/random/points.h"
 #include "tests/support/agreement.h"
-#include "voml/files.h"
 
 using namespace dmvv;
 namespace fs = std::filesystem;

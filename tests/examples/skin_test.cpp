@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <regex>
 
+#include "base/files.h"
 #include "compiler/module.h"
 #include "tests/cli/program.h"
-#include "voml/files.h"
 #include "voml/scene.h"
 
 using namespace dmvv;

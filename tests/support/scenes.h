@@ -6,11 +6,11 @@
 #include <map>
 #include <string>
 
+#include "base/files.h"
 #include "compiler/compile.h"
 #include "compiler/module.h"
 #include "tests/support/grids.h"
 #include "tests/support/random.h"
-#include "voml/files.h"
 #include "voml/scene.h"
 
 namespace dmvv::tests {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "authoring/molecule.h"
-#include "voml/files.h"
+#include "base/files.h"
 
 using namespace dmvv;
 using namespace dmvv::authoring;

@@ -5,8 +5,8 @@
 #include <random>
 
 #include "authoring/distance_grid.h"
+#include "base/files.h"
 #include "tests/unit/authoring/shapes.h"
-#include "voml/files.h"
 
 namespace dmvv::test {
 

@@ -1,4 +1,4 @@
-#include "voml/diagnostics.h"
+#include "base/diagnostics.h"
 
 #include <doctest/doctest.h>
 

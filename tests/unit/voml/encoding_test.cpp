@@ -1,5 +1,5 @@
 // XML files in the encodings that editors write: the same scene, places exact; contradictions; what is refused.
-#include "voml/encoding.h"
+#include "base/encoding.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "voml/files.h"
+#include "base/files.h"
 
 #include <doctest/doctest.h>
 #include <unistd.h>

@@ -11,10 +11,10 @@
 #include <random>
 #include <sstream>
 
+#include "base/text.h"
 #include "tests/support/scene_text.h"
 #include "voml/attributes.h"
 #include "voml/scene.h"
-#include "voml/text.h"
 
 using namespace dmvv;
 using namespace dmvv::voml;

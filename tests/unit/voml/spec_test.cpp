@@ -9,8 +9,8 @@
 #include <set>
 #include <sstream>
 
+#include "base/diagnostics.h"
 #include "voml/attributes.h"
-#include "voml/diagnostics.h"
 #include "voml/scene.h"
 
 using namespace dmvv;

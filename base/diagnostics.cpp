@@ -1,4 +1,4 @@
-#include "voml/diagnostics.h"
+#include "base/diagnostics.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cassert>
 #include <numeric>
 
-#include "voml/encoding.h"
+#include "base/encoding.h"
 
 namespace dmvv {
 
@@ -17,7 +17,7 @@ const std::vector<CodeInfo>& all_codes() {
   constexpr Severity error = Severity::error;
   static const std::vector<CodeInfo> codes = {
 #define DMVV_CODE(number, severity, name, explanation) CodeInfo{Code::name, severity, number, #name, explanation},
-#include "voml/diagnostic_codes.def"
+#include "base/diagnostic_codes.def"
 #undef DMVV_CODE
   };
   static_cast<void>(warning);  // the table may hold none of them
@@ -84,9 +84,9 @@ std::size_t count_code_points(std::string_view text) {
 /// Terminals must not be driven by the text of a file: control characters but tabs, and what is not UTF-8, become '?'.
 std::string printable(std::string_view text) {
   std::string result(text);
-  for (auto fault = voml::first_not_utf8(result); fault;) {
+  for (auto fault = first_not_utf8(result); fault;) {
     result[*fault] = '?';
-    const auto next = voml::first_not_utf8(std::string_view(result).substr(*fault));
+    const auto next = first_not_utf8(std::string_view(result).substr(*fault));
     fault = next ? std::optional(*fault + *next) : std::nullopt;
   }
   for (char& c : result) {

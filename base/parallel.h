@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace dmvv::compiler {
+namespace dmvv {
 
 /// Calls body(i) once for each i below count, on all cores, in any order; returns when all are done. What a body throws is
 /// thrown here.
@@ -25,4 +25,4 @@ void in_parallel(std::size_t count, const Body& body) {
   for (std::future<void>& other : others) other.get();
 }
 
-}  // namespace dmvv::compiler
+}  // namespace dmvv

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "voml/result.h"
+#include "base/result.h"
 
 namespace dmvv {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <string_view>
 
-#include "voml/diagnostics.h"
+#include "base/diagnostics.h"
 
-namespace dmvv::voml {
+namespace dmvv {
 
 /// The offset of the first byte that is no part of a UTF-8 character, or nothing. Overlong forms, surrogates and what
 /// lies beyond U+10FFFF are no UTF-8. Source: Unicode 15, table 3-7. Cost: linear.
@@ -39,4 +39,4 @@ bool make_utf8(SourceId source, Diagnostics& diagnostics);
 /// order mark, other bytes stay what they are. Errors: E0003; then the result is false.
 bool make_utf8_by_mark(SourceId source, Diagnostics& diagnostics);
 
-}  // namespace dmvv::voml
+}  // namespace dmvv

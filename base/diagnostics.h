@@ -20,7 +20,7 @@ enum class Severity : std::uint8_t { warning, error };
 /// Every code there is; the table with numbers, severities and explanations is diagnostic_codes.def.
 enum class Code : std::uint16_t {
 #define DMVV_CODE(number, severity, name, explanation) name,
-#include "voml/diagnostic_codes.def"
+#include "base/diagnostic_codes.def"
 #undef DMVV_CODE
 };
 

@@ -1,4 +1,4 @@
-#include "voml/text.h"
+#include "base/text.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <limits>
 #include <optional>
 
-namespace dmvv::voml {
+namespace dmvv {
 namespace {
 
 char to_upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
@@ -195,4 +195,4 @@ bool usable_scale(double component) {
   return std::abs(component) >= static_cast<double>(std::numeric_limits<float>::min());
 }
 
-}  // namespace dmvv::voml
+}  // namespace dmvv

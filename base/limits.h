@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace dmvv::voml {
+namespace dmvv {
 
 inline constexpr std::uint64_t max_file_bytes = 0xffffffffu;  ///< so that every place in it fits a Span
 inline constexpr std::size_t max_element_depth = 4096;
@@ -18,4 +18,4 @@ inline constexpr std::uint32_t max_index_edge = 1024;
 inline constexpr std::uint64_t max_index_cells = std::uint64_t{1} << 24;
 inline constexpr std::uint32_t max_bitmap_edge = 1024;
 
-}  // namespace dmvv::voml
+}  // namespace dmvv

@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-namespace dmvv::voml {
+namespace dmvv {
 
 /// Equality without regard to the case of ASCII letters.
 bool same_word(std::string_view a, std::string_view b);
@@ -47,4 +47,4 @@ std::variant<glm::dvec3, NumberFault> parse_vector(std::string_view text);
 /// Whether a finite scale component has an inverse that shaders can use: not zero, not below the smallest normal float.
 bool usable_scale(double component);
 
-}  // namespace dmvv::voml
+}  // namespace dmvv

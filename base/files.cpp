@@ -1,4 +1,4 @@
-#include "voml/files.h"
+#include "base/files.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -15,8 +15,8 @@
 #include <system_error>
 #include <vector>
 
-#include "voml/diagnostics.h"
-#include "voml/text.h"
+#include "base/diagnostics.h"
+#include "base/text.h"
 
 namespace dmvv {
 namespace {
@@ -55,7 +55,7 @@ std::vector<std::string> list_folder(const std::string& folder) {
 std::optional<std::string> similar_name(const std::string& name, const std::vector<std::string>& names) {
   if (std::ranges::find(names, name) != names.end()) return name;
   for (const std::string& other : names) {
-    if (voml::same_word(name, other)) return other;
+    if (same_word(name, other)) return other;
   }
   const std::string stem = fs::path(name).stem().string(), ending = fs::path(name).extension().string();
   constexpr std::size_t shortest = 3;  // of a stem: others are near to everything
@@ -64,7 +64,7 @@ std::optional<std::string> similar_name(const std::string& name, const std::vect
   std::vector<const std::string*> whole;
   for (const std::string& other : names) {
     const std::string_view view = other;
-    if (view.size() < ending.size() || !voml::same_word(view.substr(view.size() - ending.size()), ending)) continue;
+    if (view.size() < ending.size() || !same_word(view.substr(view.size() - ending.size()), ending)) continue;
     stems.push_back(view.substr(0, view.size() - ending.size()));
     whole.push_back(&other);
   }

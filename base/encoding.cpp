@@ -1,4 +1,4 @@
-#include "voml/encoding.h"
+#include "base/encoding.h"
 
 #include <fmt/format.h>
 #include <iconv.h>
@@ -8,10 +8,10 @@
 #include <cerrno>
 #include <utility>
 
-#include "voml/limits.h"
-#include "voml/text.h"
+#include "base/limits.h"
+#include "base/text.h"
 
-namespace dmvv::voml {
+namespace dmvv {
 
 // ---- UTF-8 ----
 
@@ -274,4 +274,4 @@ class XmlText {
 
 bool make_utf8(SourceId source, Diagnostics& diagnostics) { return XmlText(source, diagnostics).make_utf8(); }
 
-}  // namespace dmvv::voml
+}  // namespace dmvv
