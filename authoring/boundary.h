@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "authoring/triangle_tree.h"
-#include "voml/grid.h"
-#include "voml/mesh.h"
+#include "voml/assets/grid.h"
+#include "voml/assets/mesh.h"
 
 namespace dmvv::authoring {
 

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "base/result.h"
-#include "voml/grid.h"
-#include "voml/mesh.h"
+#include "voml/assets/grid.h"
+#include "voml/assets/mesh.h"
 
 namespace dmvv::authoring {
 

@@ -7,7 +7,7 @@
 
 #include "base/result.h"
 #include "compiler/module.h"
-#include "voml/mesh.h"
+#include "voml/assets/mesh.h"
 
 namespace dmvv::authoring {
 

@@ -7,7 +7,7 @@
 
 #include "bench/displacement.h"
 #include "bench/source.h"
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 
 namespace dmvv::bench {
 

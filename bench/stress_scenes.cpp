@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 #include "voml/scene.h"
 
 namespace dmvv::stress {

@@ -9,7 +9,7 @@
 
 #include "bench/run.h"
 #include "compiler/reference.h"
-#include "voml/mesh.h"
+#include "voml/assets/mesh.h"
 
 namespace dmvv::bench {
 

@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-#include "voml/image_file.h"
+#include "voml/assets/image_file.h"
 
 namespace dmvv::cli {
 namespace {

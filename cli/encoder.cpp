@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "base/files.h"
-#include "voml/image_file.h"
+#include "voml/assets/image_file.h"
 
 extern char** environ;
 

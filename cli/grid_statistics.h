@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 
 namespace dmvv::cli {
 

@@ -13,8 +13,8 @@
 #include "cli/grid_statistics.h"
 #include "cli/options.h"
 #include "compiler/inventory.h"
-#include "voml/grid.h"
-#include "voml/image_file.h"
+#include "voml/assets/grid.h"
+#include "voml/assets/image_file.h"
 
 namespace dmvv::cli {
 namespace {

@@ -12,7 +12,7 @@
 #include "compiler/compile.h"
 #include "compiler/module.h"
 #include "runtime/runtime.h"
-#include "voml/mesh.h"
+#include "voml/assets/mesh.h"
 #include "voml/scene.h"
 
 namespace dmvv::cli {

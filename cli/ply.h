@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "voml/mesh.h"
+#include "voml/assets/mesh.h"
 
 namespace dmvv::cli {
 

@@ -12,7 +12,7 @@
 #include "cli/explain.h"
 #include "cli/options.h"
 #include "compiler/reference.h"
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 
 namespace dmvv::cli {
 namespace {

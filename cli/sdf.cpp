@@ -15,7 +15,7 @@
 #include "cli/outputs.h"
 #include "cli/ply.h"
 #include "cli/progress.h"
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 
 namespace dmvv::cli {
 namespace {

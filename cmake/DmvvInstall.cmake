@@ -8,7 +8,7 @@ set(DMVV_PUBLIC_HEADERS
   compiler/module.h compiler/program.h compiler/reference.h compiler/snippet/snippet.h compiler/stage_options.h compiler/tape_options.h
   runtime/disk_cache.h runtime/runtime.h runtime/view.h
   shaders/records.h
-  base/diagnostic_codes.def base/diagnostics.h base/files.h voml/format.h voml/grid.h base/id.h voml/mesh.h base/result.h voml/scene.h)
+  base/diagnostic_codes.def base/diagnostics.h base/files.h voml/format.h voml/assets/grid.h base/id.h voml/assets/mesh.h base/result.h voml/scene.h)
 foreach(header IN LISTS DMVV_PUBLIC_HEADERS)
   cmake_path(GET header PARENT_PATH folder)
   install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/dmvv/${folder})

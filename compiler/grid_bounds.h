@@ -4,7 +4,7 @@
 #include <glm/vec3.hpp>
 
 #include "compiler/program.h"
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 
 namespace dmvv::compiler {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "compiler/grid_bounds.h"
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 
 namespace dmvv::compiler {
 

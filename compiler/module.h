@@ -13,7 +13,7 @@
 #include "base/id.h"
 #include "compiler/affine.h"
 #include "compiler/snippet/snippet.h"
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 #include "voml/scene.h"
 
 namespace dmvv::compiler {

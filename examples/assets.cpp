@@ -12,7 +12,7 @@
 #include <glm/trigonometric.hpp>
 
 #include "base/files.h"
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 
 namespace assets {
 namespace {

@@ -9,7 +9,7 @@
 #include <new>
 
 #include "runtime/view.h"
-#include "voml/image_file.h"
+#include "voml/assets/image_file.h"
 
 #if defined(_WIN32)
 #include <process.h>

@@ -15,7 +15,7 @@
 #include "compiler/program.h"
 #include "runtime/disk_cache.h"
 #include "runtime/view.h"
-#include "voml/mesh.h"
+#include "voml/assets/mesh.h"
 
 namespace dmvv::runtime {
 

@@ -9,7 +9,7 @@
 #include "runtime/view.h"
 #include "shaders/raster.h"
 #include "shaders/records.h"
-#include "voml/mesh.h"
+#include "voml/assets/mesh.h"
 
 namespace dmvv::runtime {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/result.h"
-#include "voml/mesh.h"
+#include "voml/assets/mesh.h"
 
 namespace dmvv::runtime {
 

@@ -6,7 +6,7 @@
 
 #include "base/limits.h"
 #include "base/text.h"
-#include "voml/seeds.h"
+#include "voml/assets/seeds.h"
 
 namespace dmvv::voml {
 namespace {

@@ -15,7 +15,7 @@
 #include "base/diagnostics.h"
 #include "base/files.h"
 #include "base/id.h"
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 
 namespace dmvv::voml {
 

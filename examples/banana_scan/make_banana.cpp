@@ -24,7 +24,7 @@
 
 #include "authoring/triangle_tree.h"
 #include "base/files.h"
-#include "voml/mesh.h"
+#include "voml/assets/mesh.h"
 
 namespace {
 

@@ -13,7 +13,7 @@
 
 #include "base/files.h"
 #include "examples/noise.h"
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 
 namespace {
 

@@ -14,7 +14,7 @@
 #include <sstream>
 
 #include "tests/cli/program.h"
-#include "voml/image_file.h"
+#include "voml/assets/image_file.h"
 
 using namespace dmvv;
 using namespace dmvv::test;

@@ -4,7 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "tests/cli/program.h"
-#include "voml/mesh.h"
+#include "voml/assets/mesh.h"
 
 using namespace dmvv::test;
 

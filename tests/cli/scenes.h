@@ -6,7 +6,7 @@
 #include <string>
 
 #include "tests/cli/program.h"
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 
 namespace dmvv::test {
 

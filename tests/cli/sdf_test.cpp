@@ -10,7 +10,7 @@
 
 #include "tests/cli/program.h"
 #include "tests/cli/scenes.h"
-#include "voml/mesh.h"
+#include "voml/assets/mesh.h"
 
 using namespace dmvv;
 using namespace dmvv::test;

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "tests/fuzz/targets.h"
-#include "voml/mesh.h"
+#include "voml/assets/mesh.h"
 
 namespace dmvv::fuzz {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "tests/fuzz/targets.h"
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 
 namespace dmvv::fuzz {
 

@@ -5,7 +5,7 @@
 #include "authoring/gunzip.h"
 #include "authoring/kind_table.h"
 #include "tests/fuzz/targets.h"
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 
 namespace dmvv::fuzz {
 

@@ -9,7 +9,7 @@
 
 #include "compiler/reference.h"
 #include "tests/random/check.h"
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 
 namespace dmvv::tests::random_scenes {
 

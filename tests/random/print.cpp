@@ -10,7 +10,7 @@
 #include "tests/random/description.h"
 #include "tests/support/random.h"
 #include "tests/unit/voml/test_files.h"
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 
 namespace dmvv::tests::random_scenes {
 

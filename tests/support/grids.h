@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <string>
 
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 
 namespace dmvv::tests {
 

@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "authoring/triangle_tree.h"
-#include "voml/grid.h"
-#include "voml/mesh.h"
+#include "voml/assets/grid.h"
+#include "voml/assets/mesh.h"
 
 namespace dmvv::test {
 

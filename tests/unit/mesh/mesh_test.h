@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "voml/mesh.h"
+#include "voml/assets/mesh.h"
 
 namespace dmvv::test {
 

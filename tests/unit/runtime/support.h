@@ -12,7 +12,7 @@
 #include "compiler/program.h"
 #include "runtime/runtime.h"
 #include "runtime/view.h"
-#include "voml/mesh.h"
+#include "voml/assets/mesh.h"
 
 namespace dmvv::test {
 

@@ -5,8 +5,8 @@
 
 #include <cstdint>
 
+#include "voml/assets/grid.h"
 #include "voml/format.h"
-#include "voml/grid.h"
 #include "voml/scene.h"
 
 using namespace dmvv;

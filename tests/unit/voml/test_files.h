@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 
 namespace dmvv::test {
 

@@ -1,6 +1,6 @@
 // libpng reports errors by longjmp: between setjmp and it stands nothing that has a destructor. It would print what it
 // has to say; here it is kept.
-#include "voml/png_file.h"
+#include "voml/assets/png_file.h"
 
 #include <png.h>
 

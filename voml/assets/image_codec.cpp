@@ -1,5 +1,5 @@
 // The module dmvv_image_codec: the only user of OpenImageIO.
-#include "voml/image_codec.h"
+#include "voml/assets/image_codec.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>

@@ -1,5 +1,5 @@
 // Seed, rotate and scale files: three numbers a line.
-#include "voml/seeds.h"
+#include "voml/assets/seeds.h"
 
 #include <fmt/format.h>
 

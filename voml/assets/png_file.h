@@ -1,7 +1,7 @@
 // Inside voml: PNG, which most pictures are, by libpng alone. What is read and written is what image_file.h says.
 #pragma once
 
-#include "voml/image_file.h"
+#include "voml/assets/image_file.h"
 
 namespace dmvv {
 

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <optional>
 
-#include "voml/mesh_readers.h"
+#include "voml/assets/mesh_readers.h"
 
 namespace dmvv::voml {
 

@@ -1,7 +1,7 @@
-// Between voml/image_file.cpp, which loads the module, and voml/image_codec.cpp, which is the module.
+// Between voml/assets/image_file.cpp, which loads the module, and voml/assets/image_codec.cpp, which is the module.
 #pragma once
 
-#include "voml/image_file.h"
+#include "voml/assets/image_file.h"
 
 namespace dmvv {
 

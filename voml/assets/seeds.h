@@ -1,7 +1,7 @@
 // Inside voml: what the asset loader needs besides parse_vectors.
 #pragma once
 
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 
 namespace dmvv::voml {
 

@@ -1,4 +1,4 @@
-#include "voml/mesh.h"
+#include "voml/assets/mesh.h"
 
 #include <fmt/format.h>
 
@@ -15,7 +15,7 @@
 
 #include "base/encoding.h"
 #include "base/text.h"
-#include "voml/mesh_readers.h"
+#include "voml/assets/mesh_readers.h"
 
 namespace dmvv::voml {
 

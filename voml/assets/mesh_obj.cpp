@@ -3,7 +3,7 @@
 
 #include <charconv>
 
-#include "voml/mesh_readers.h"
+#include "voml/assets/mesh_readers.h"
 
 namespace dmvv::voml {
 

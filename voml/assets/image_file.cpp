@@ -1,10 +1,10 @@
 // PNG by libpng; all else by the module, which is loaded when it is first needed.
-#include "voml/image_file.h"
+#include "voml/assets/image_file.h"
 
 #include <dlfcn.h>
 
-#include "voml/image_codec.h"
-#include "voml/png_file.h"
+#include "voml/assets/image_codec.h"
+#include "voml/assets/png_file.h"
 
 namespace dmvv {
 namespace {

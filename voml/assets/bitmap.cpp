@@ -6,9 +6,9 @@
 
 #include "base/limits.h"
 #include "base/text.h"
-#include "voml/grid.h"
-#include "voml/image_file.h"
-#include "voml/picture_bytes.h"
+#include "voml/assets/grid.h"
+#include "voml/assets/image_file.h"
+#include "voml/assets/picture_bytes.h"
 
 namespace dmvv::voml {
 namespace {

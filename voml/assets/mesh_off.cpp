@@ -2,7 +2,7 @@
 // Source: geomview.org/docs/html/OFF.html. Letters before OFF announce what else stands on the lines of the vertices.
 #include <fmt/format.h>
 
-#include "voml/mesh_readers.h"
+#include "voml/assets/mesh_readers.h"
 
 namespace dmvv::voml {
 

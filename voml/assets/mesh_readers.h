@@ -1,4 +1,4 @@
-// Private to voml/mesh*.cpp: what the readers of the mesh formats share.
+// Private to voml/assets/mesh*.cpp: what the readers of the mesh formats share.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/diagnostics.h"
-#include "voml/mesh.h"
+#include "voml/assets/mesh.h"
 
 namespace dmvv::voml {
 

@@ -1,4 +1,4 @@
-#include "voml/picture_bytes.h"
+#include "voml/assets/picture_bytes.h"
 
 #include <cstdint>
 

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <new>
 
-#include "voml/grid.h"
+#include "voml/assets/grid.h"
 
 namespace dmvv::voml {
 namespace {
