@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "base/result.h"
-#include "compiler/code_cache.h"
 #include "compiler/cost_model.h"
 #include "compiler/module.h"
 #include "compiler/program.h"
+#include "compiler/spirv/code_cache.h"
 #include "compiler/stage_options.h"
 #include "compiler/tape_options.h"
 

@@ -2,7 +2,7 @@
 #include <spirv-tools/libspirv.hpp>
 
 #include "compiler/compile.h"
-#include "compiler/glsl_compiler.h"
+#include "compiler/spirv/glsl_compiler.h"
 
 namespace dmvv::compiler {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "compiler/code_cache.h"
+#include "compiler/spirv/code_cache.h"
 
 namespace dmvv::runtime {
 

@@ -4,7 +4,7 @@
 #include <charconv>
 #include <string_view>
 
-#include "compiler/glsl_compiler.h"
+#include "compiler/spirv/glsl_compiler.h"
 
 namespace dmvv::compiler::snippet {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "compiler/code_cache.h"
 #include "compiler/snippet/literals.h"
+#include "compiler/spirv/code_cache.h"
 
 namespace dmvv::compiler::snippet {
 

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/code_cache.h"
+#include "compiler/spirv/code_cache.h"
 #include "voml/scene.h"
 
 namespace dmvv::compiler::snippet {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <optional>
 
-#include "compiler/glsl_compiler.h"
 #include "compiler/snippet/probe_points.h"
 #include "compiler/snippet/program.h"
 #include "compiler/snippet/read_spirv.h"
+#include "compiler/spirv/glsl_compiler.h"
 
 namespace dmvv::compiler::snippet {
 namespace {

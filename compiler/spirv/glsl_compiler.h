@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "compiler/code_cache.h"
+#include "compiler/spirv/code_cache.h"
 
 namespace dmvv::compiler {
 

@@ -1,4 +1,4 @@
-#include "compiler/glsl_compiler.h"
+#include "compiler/spirv/glsl_compiler.h"
 
 #include <glslang/Public/ResourceLimits.h>
 #include <glslang/Public/ShaderLang.h>
