@@ -6,7 +6,7 @@
 #include <string>
 
 #include "base/result.h"
-#include "compiler/module.h"
+#include "compiler/ir/module.h"
 #include "voml/assets/mesh.h"
 
 namespace dmvv::authoring {

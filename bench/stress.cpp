@@ -14,9 +14,9 @@
 
 #include "base/files.h"
 #include "bench/stress_scenes.h"
-#include "compiler/affine.h"
 #include "compiler/compile.h"
 #include "compiler/flatten.h"
+#include "compiler/ir/affine.h"
 #include "compiler/reference.h"
 
 namespace dmvv::stress {

@@ -10,7 +10,7 @@
 #include "base/files.h"
 #include "cli/context.h"
 #include "compiler/compile.h"
-#include "compiler/module.h"
+#include "compiler/ir/module.h"
 #include "runtime/runtime.h"
 #include "voml/assets/mesh.h"
 #include "voml/scene.h"

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "compiler/module.h"
+#include "compiler/ir/module.h"
 #include "compiler/program.h"
 
 namespace dmvv::compiler {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "compiler/cost_model.h"
-#include "compiler/module.h"
+#include "compiler/ir/module.h"
 #include "compiler/program.h"
 
 namespace dmvv::compiler {

@@ -8,7 +8,7 @@
 
 #include "base/result.h"
 #include "compiler/cost_model.h"
-#include "compiler/module.h"
+#include "compiler/ir/module.h"
 #include "compiler/program.h"
 #include "compiler/spirv/code_cache.h"
 #include "compiler/stage_options.h"

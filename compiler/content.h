@@ -1,7 +1,7 @@
 // What lies in the cubes of seeds and objects: boxes beyond which nothing does, on any device.
 #pragma once
 
-#include "compiler/module.h"
+#include "compiler/ir/module.h"
 #include "compiler/program.h"
 
 namespace dmvv::compiler {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "compiler/atlas.h"
+#include "compiler/ir/module.h"
 #include "compiler/lookup.h"
-#include "compiler/module.h"
 #include "compiler/program.h"
 #include "compiler/seed_chains.h"
 #include "shaders/records.h"

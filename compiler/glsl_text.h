@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "compiler/affine.h"
+#include "compiler/ir/affine.h"
 
 namespace dmvv::compiler {
 

@@ -11,8 +11,8 @@
 #include <span>
 
 #include "compiler/grid_range.h"
+#include "compiler/ir/rounding.h"
 #include "compiler/reference.h"
-#include "compiler/rounding.h"
 #include "compiler/texels.h"
 
 namespace dmvv::compiler {

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "compiler/flatten.h"
-#include "compiler/module.h"
+#include "compiler/ir/module.h"
 #include "compiler/program.h"
 #include "compiler/snippet/snippet.h"
 

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "compiler/module.h"
+#include "compiler/ir/module.h"
 
 namespace dmvv::compiler {
 

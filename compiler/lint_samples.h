@@ -7,7 +7,7 @@
 #include <map>
 #include <vector>
 
-#include "compiler/module.h"
+#include "compiler/ir/module.h"
 
 namespace dmvv::compiler {
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/diagnostics.h"
+#include "compiler/ir/module.h"
 #include "compiler/lint_samples.h"
-#include "compiler/module.h"
 
 namespace dmvv::compiler {
 

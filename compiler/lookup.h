@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "compiler/affine.h"
+#include "compiler/ir/affine.h"
 
 namespace dmvv::compiler {
 

@@ -1,7 +1,7 @@
 // Passes: Module -> Module, smaller, with the same answer at every point. Each is idempotent.
 #pragma once
 
-#include "compiler/module.h"
+#include "compiler/ir/module.h"
 
 namespace dmvv::compiler {
 

@@ -9,8 +9,8 @@
 #include "compiler/explanation.h"
 #include "compiler/flatten.h"
 #include "compiler/grid_bounds.h"
+#include "compiler/ir/rounding.h"
 #include "compiler/lookup.h"
-#include "compiler/rounding.h"
 #include "compiler/texels.h"
 
 namespace dmvv::compiler {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "compiler/module.h"
+#include "compiler/ir/module.h"
 
 namespace dmvv::compiler {
 

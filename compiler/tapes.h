@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "compiler/module.h"
+#include "compiler/ir/module.h"
 #include "compiler/snippet/tape.h"
 #include "compiler/tape_options.h"
 #include "shaders/records.h"

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "compiler/module.h"
+#include "compiler/ir/module.h"
 #include "compiler/program.h"
 
 namespace dmvv::compiler {

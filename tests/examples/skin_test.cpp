@@ -5,7 +5,7 @@
 #include <regex>
 
 #include "base/files.h"
-#include "compiler/module.h"
+#include "compiler/ir/module.h"
 #include "tests/cli/program.h"
 #include "voml/scene.h"
 

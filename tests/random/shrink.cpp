@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compiler/affine.h"
+#include "compiler/ir/affine.h"
 
 namespace dmvv::tests::random_scenes {
 

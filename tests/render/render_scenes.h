@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "compiler/module.h"
+#include "compiler/ir/module.h"
 #include "runtime/runtime.h"
 #include "tests/cli/program.h"
 

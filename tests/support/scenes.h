@@ -8,7 +8,7 @@
 
 #include "base/files.h"
 #include "compiler/compile.h"
-#include "compiler/module.h"
+#include "compiler/ir/module.h"
 #include "tests/support/grids.h"
 #include "tests/support/random.h"
 #include "voml/scene.h"

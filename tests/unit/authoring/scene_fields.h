@@ -7,7 +7,7 @@
 #include <string>
 
 #include "authoring/field.h"
-#include "compiler/module.h"
+#include "compiler/ir/module.h"
 
 namespace dmvv::test {
 

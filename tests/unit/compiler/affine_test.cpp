@@ -1,4 +1,4 @@
-#include "compiler/affine.h"
+#include "compiler/ir/affine.h"
 
 #include <doctest/doctest.h>
 

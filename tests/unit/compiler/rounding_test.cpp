@@ -1,6 +1,6 @@
 // The bounds of spec/accuracy.md against float32 arithmetic, operation by operation as the shaders do it: how much of a
 // bound the worst of many random cases takes. More than all of it is an error; hardly any, and the bound says little.
-#include "compiler/rounding.h"
+#include "compiler/ir/rounding.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "compiler/module.h"
+#include "compiler/ir/module.h"
 
 namespace dmvv::compiler {
 

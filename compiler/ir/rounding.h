@@ -8,7 +8,7 @@
 #include <glm/matrix.hpp>
 #include <glm/vec3.hpp>
 
-#include "compiler/affine.h"
+#include "compiler/ir/affine.h"
 #include "compiler/lookup.h"
 
 namespace dmvv::compiler {

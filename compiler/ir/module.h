@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/id.h"
-#include "compiler/affine.h"
+#include "compiler/ir/affine.h"
 #include "compiler/snippet/snippet.h"
 #include "voml/assets/grid.h"
 #include "voml/scene.h"

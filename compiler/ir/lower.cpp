@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "compiler/module.h"
-#include "compiler/rounding.h"
+#include "compiler/ir/module.h"
+#include "compiler/ir/rounding.h"
 
 namespace dmvv::compiler {
 
