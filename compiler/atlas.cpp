@@ -13,7 +13,7 @@
 #include <set>
 #include <tuple>
 
-#include "compiler/texels.h"
+#include "compiler/grids/texels.h"
 #include "shaders/records.h"
 
 namespace dmvv::compiler {

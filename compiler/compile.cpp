@@ -9,13 +9,13 @@
 #include "compiler/content.h"
 #include "compiler/flatten.h"
 #include "compiler/generate_glsl.h"
+#include "compiler/grids/texels.h"
 #include "compiler/judge.h"
 #include "compiler/passes.h"
 #include "compiler/reference.h"
 #include "compiler/snippet/time_values.h"
 #include "compiler/steepness.h"
 #include "compiler/tapes.h"
-#include "compiler/texels.h"
 #include "compiler/thesis.h"
 
 namespace dmvv::compiler {

@@ -12,7 +12,7 @@
 
 #include "base/parallel.h"
 #include "compiler/flatten.h"
-#include "compiler/grid_bounds.h"
+#include "compiler/grids/grid_bounds.h"
 #include "compiler/lookup.h"
 
 namespace dmvv::compiler {

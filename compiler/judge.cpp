@@ -10,10 +10,10 @@
 #include <optional>
 #include <span>
 
-#include "compiler/grid_range.h"
+#include "compiler/grids/grid_range.h"
+#include "compiler/grids/texels.h"
 #include "compiler/ir/rounding.h"
 #include "compiler/reference.h"
-#include "compiler/texels.h"
 
 namespace dmvv::compiler {
 

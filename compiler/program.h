@@ -29,7 +29,7 @@ enum class Kernel : std::uint8_t {
 };
 inline constexpr std::size_t kernel_count = 3;
 
-/// Normalised formats hold value / scale, one scale a grid (compiler/texels.h).
+/// Normalised formats hold value / scale, one scale a grid (compiler/grids/texels.h).
 enum class TexelFormat : std::uint8_t {
   r32f,
   r16f,

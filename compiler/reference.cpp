@@ -8,10 +8,10 @@
 
 #include "compiler/explanation.h"
 #include "compiler/flatten.h"
-#include "compiler/grid_bounds.h"
+#include "compiler/grids/grid_bounds.h"
+#include "compiler/grids/texels.h"
 #include "compiler/ir/rounding.h"
 #include "compiler/lookup.h"
-#include "compiler/texels.h"
 
 namespace dmvv::compiler {
 

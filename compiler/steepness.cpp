@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "base/parallel.h"
-#include "compiler/grid_bounds.h"
+#include "compiler/grids/grid_bounds.h"
 #include "compiler/judge.h"
 
 namespace dmvv::compiler {

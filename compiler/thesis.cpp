@@ -8,7 +8,7 @@
 #include <glm/common.hpp>
 #include <numeric>
 
-#include "compiler/texels.h"
+#include "compiler/grids/texels.h"
 
 namespace dmvv::compiler {
 

@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "compiler/grid_range.h"
+#include "compiler/grids/grid_range.h"
 #include "tests/support/scenes.h"
 #include "tests/support/verdicts.h"
 

@@ -1,4 +1,4 @@
-#include "compiler/texels.h"
+#include "compiler/grids/texels.h"
 
 #include <doctest/doctest.h>
 

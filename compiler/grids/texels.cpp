@@ -1,4 +1,4 @@
-#include "compiler/texels.h"
+#include "compiler/grids/texels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <cstring>
 #include <glm/gtc/packing.hpp>
 
-#include "compiler/grid_bounds.h"
+#include "compiler/grids/grid_bounds.h"
 
 namespace dmvv::compiler {
 

@@ -4,7 +4,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "compiler/grid_bounds.h"
+#include "compiler/grids/grid_bounds.h"
 #include "voml/assets/grid.h"
 
 namespace dmvv::compiler {

@@ -1,10 +1,10 @@
-#include "compiler/grid_bounds.h"
+#include "compiler/grids/grid_bounds.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "compiler/grids/texels.h"
 #include "compiler/lookup.h"
-#include "compiler/texels.h"
 
 namespace dmvv::compiler {
 

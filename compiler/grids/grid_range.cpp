@@ -1,4 +1,4 @@
-#include "compiler/grid_range.h"
+#include "compiler/grids/grid_range.h"
 
 #include <algorithm>
 #include <cmath>
