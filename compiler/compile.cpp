@@ -6,12 +6,12 @@
 #include <cstring>
 
 #include "compiler/atlas.h"
-#include "compiler/content.h"
 #include "compiler/flatten.h"
 #include "compiler/generate_glsl.h"
 #include "compiler/grids/texels.h"
 #include "compiler/judge.h"
-#include "compiler/passes.h"
+#include "compiler/passes/content.h"
+#include "compiler/passes/passes.h"
 #include "compiler/reference.h"
 #include "compiler/snippet/time_values.h"
 #include "compiler/steepness.h"

@@ -8,8 +8,8 @@
 #include "compiler/atlas.h"
 #include "compiler/ir/module.h"
 #include "compiler/lookup.h"
+#include "compiler/passes/seed_chains.h"
 #include "compiler/program.h"
-#include "compiler/seed_chains.h"
 #include "shaders/records.h"
 
 namespace dmvv::compiler {

@@ -113,7 +113,7 @@ class Generator : GlslWriter {
   std::string limit_box(const LocalBox& box, const std::string& q, double slope, double error) const;
   void emit_bitmap_test();
   std::string box_test(const LocalBox& box, const std::string& q) const;
-  /// Of an SDF in a chain (compiler/seed_chains.h).
+  /// Of an SDF in a chain (compiler/passes/seed_chains.h).
   struct Link {
     const SeedChain* chain;
     std::uint32_t number;

@@ -7,11 +7,11 @@
 #include <cassert>
 #include <set>
 
-#include "compiler/content.h"
 #include "compiler/flatten.h"
 #include "compiler/generate_glsl.h"
 #include "compiler/glsl_text.h"
-#include "compiler/passes.h"
+#include "compiler/passes/content.h"
+#include "compiler/passes/passes.h"
 
 namespace dmvv::compiler {
 namespace {

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <queue>
 
-#include "compiler/content.h"
+#include "compiler/passes/content.h"
 #include "compiler/snippet/probe_points.h"
 #include "compiler/snippet/rounding_doubt.h"
 

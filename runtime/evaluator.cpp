@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "compiler/content.h"
+#include "compiler/passes/content.h"
 #include "runtime/pipeline_cache.h"
 #include "shaders/records.h"
 

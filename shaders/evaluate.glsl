@@ -6,7 +6,7 @@
 uint hit_number = 0u;
 uint hit_region = 0u;          // index of the region that answers
 vec3 hit_p = vec3(0.0);        // the point in that region's object
-// Of SDFs whose seeds are searched as one list (compiler/seed_chains.h), those of the last search: which is the first that is
+// Of SDFs whose seeds are searched as one list (compiler/passes/seed_chains.h), those of the last search: which is the first that is
 // negative; how many there are: none.
 uint first_negative = 0u;
 // A loop ended before its list did: lavapipe grants a group of points 65,535 rounds in all. Whether a loop came to its

@@ -109,7 +109,7 @@ inline std::string strangers_scene() {
   return text + "<MAPPINGS><SDF name='S'><POSITIVE region='ABOVE'/><NEGATIVE region='BELOW'/></SDF></MAPPINGS></OBJECT></MVV>";
 }
 
-/// Seeds of one ball in many SDFs that ask one after the other (compiler/seed_chains.h): GRAINS only scale, and whether they answer
+/// Seeds of one ball in many SDFs that ask one after the other (compiler/passes/seed_chains.h): GRAINS only scale, and whether they answer
 /// is told first in a list; of TURNED one only scales; MANY is a long chain that an offset cuts in two, and embeds both.
 inline SceneCase seed_chains_case() {
   Random random(11);

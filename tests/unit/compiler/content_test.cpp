@@ -1,5 +1,5 @@
 // Beyond its content nothing is: what is left out of a cube is empty to every device, and little more than it is kept.
-#include "compiler/content.h"
+#include "compiler/passes/content.h"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 // Which SDFs share a search.
-#include "compiler/seed_chains.h"
+#include "compiler/passes/seed_chains.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

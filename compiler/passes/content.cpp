@@ -1,4 +1,4 @@
-#include "compiler/content.h"
+#include "compiler/passes/content.h"
 
 #include <algorithm>
 #include <cmath>

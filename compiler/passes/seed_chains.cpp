@@ -1,4 +1,4 @@
-#include "compiler/seed_chains.h"
+#include "compiler/passes/seed_chains.h"
 
 #include <optional>
 

@@ -1,4 +1,4 @@
-#include "compiler/passes.h"
+#include "compiler/passes/passes.h"
 
 #include <algorithm>
 #include <cstring>
