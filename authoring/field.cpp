@@ -11,8 +11,8 @@
 #include <limits>
 #include <set>
 
-#include "compiler/flatten.h"
-#include "compiler/lookup.h"
+#include "compiler/layout/flatten.h"
+#include "compiler/layout/lookup.h"
 #include "compiler/reference.h"
 
 namespace dmvv::authoring {

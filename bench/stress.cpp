@@ -15,8 +15,8 @@
 #include "base/files.h"
 #include "bench/stress_scenes.h"
 #include "compiler/compile.h"
-#include "compiler/flatten.h"
 #include "compiler/ir/affine.h"
+#include "compiler/layout/flatten.h"
 #include "compiler/reference.h"
 
 namespace dmvv::stress {

@@ -12,7 +12,7 @@
 #include "cli/dump.h"
 #include "cli/options.h"
 #include "cli/outputs.h"
-#include "compiler/flatten.h"
+#include "compiler/layout/flatten.h"
 
 namespace dmvv::cli {
 namespace {

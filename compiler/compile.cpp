@@ -5,17 +5,17 @@
 #include <algorithm>
 #include <cstring>
 
-#include "compiler/atlas.h"
-#include "compiler/flatten.h"
 #include "compiler/generate_glsl.h"
 #include "compiler/grids/texels.h"
 #include "compiler/judge.h"
+#include "compiler/layout/atlas.h"
+#include "compiler/layout/flatten.h"
+#include "compiler/layout/tapes.h"
 #include "compiler/passes/content.h"
 #include "compiler/passes/passes.h"
 #include "compiler/reference.h"
 #include "compiler/snippet/time_values.h"
 #include "compiler/steepness.h"
-#include "compiler/tapes.h"
 #include "compiler/thesis.h"
 
 namespace dmvv::compiler {

@@ -9,10 +9,10 @@
 #include "base/result.h"
 #include "compiler/cost_model.h"
 #include "compiler/ir/module.h"
+#include "compiler/layout/tape_options.h"
 #include "compiler/program.h"
 #include "compiler/spirv/code_cache.h"
 #include "compiler/stage_options.h"
-#include "compiler/tape_options.h"
 
 namespace dmvv::compiler {
 

@@ -8,7 +8,7 @@
 #include <glm/matrix.hpp>
 #include <limits>
 
-#include "compiler/flatten.h"
+#include "compiler/layout/flatten.h"
 
 namespace dmvv::compiler {
 namespace {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "compiler/compile.h"
-#include "compiler/flatten.h"
+#include "compiler/layout/flatten.h"
+#include "compiler/layout/tapes.h"
 #include "compiler/stage_options.h"
-#include "compiler/tapes.h"
 
 namespace dmvv::compiler {
 

@@ -7,9 +7,9 @@
 #include <cassert>
 #include <set>
 
-#include "compiler/flatten.h"
 #include "compiler/generate_glsl.h"
 #include "compiler/glsl_text.h"
+#include "compiler/layout/flatten.h"
 #include "compiler/passes/content.h"
 #include "compiler/passes/passes.h"
 

@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "compiler/flatten.h"
 #include "compiler/ir/module.h"
+#include "compiler/layout/flatten.h"
 #include "compiler/program.h"
 #include "compiler/snippet/snippet.h"
 

@@ -7,11 +7,11 @@
 #include <glm/vector_relational.hpp>
 
 #include "compiler/explanation.h"
-#include "compiler/flatten.h"
 #include "compiler/grids/grid_bounds.h"
 #include "compiler/grids/texels.h"
 #include "compiler/ir/rounding.h"
-#include "compiler/lookup.h"
+#include "compiler/layout/flatten.h"
+#include "compiler/layout/lookup.h"
 
 namespace dmvv::compiler {
 

@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "compiler/atlas.h"
-#include "compiler/flatten.h"
+#include "compiler/layout/atlas.h"
+#include "compiler/layout/flatten.h"
 
 namespace dmvv::compiler {
 

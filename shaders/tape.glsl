@@ -1,4 +1,4 @@
-// Large snippets as tapes (compiler/tapes.h): the cell of the point tells the side, or the instructions that decide it.
+// Large snippets as tapes (compiler/layout/tapes.h): the cell of the point tells the side, or the instructions that decide it.
 // Comes after shaders/evaluate.glsl and the generated tape_operation. Set by the generator: DMVV_TAPE_REGISTERS, a power
 // of two, and DMVV_TAPE_THIRD where some operation has three operands.
 

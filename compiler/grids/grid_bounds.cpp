@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "compiler/grids/texels.h"
-#include "compiler/lookup.h"
+#include "compiler/layout/lookup.h"
 
 namespace dmvv::compiler {
 

@@ -9,7 +9,7 @@
 #include <glm/vec3.hpp>
 
 #include "compiler/ir/affine.h"
-#include "compiler/lookup.h"
+#include "compiler/layout/lookup.h"
 
 namespace dmvv::compiler {
 

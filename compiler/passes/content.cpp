@@ -11,9 +11,9 @@
 #include <queue>
 
 #include "base/parallel.h"
-#include "compiler/flatten.h"
 #include "compiler/grids/grid_bounds.h"
-#include "compiler/lookup.h"
+#include "compiler/layout/flatten.h"
+#include "compiler/layout/lookup.h"
 
 namespace dmvv::compiler {
 

@@ -1,5 +1,5 @@
 // Large snippets as tapes: the passes `tapes` and `shorten-tapes`, before and after. Same answers, and what they save.
-#include "compiler/tapes.h"
+#include "compiler/layout/tapes.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -8,8 +8,8 @@
 #include <string>
 
 #include "bench/workload.h"
+#include "compiler/layout/tape_cells.h"
 #include "compiler/reference.h"
-#include "compiler/tape_cells.h"
 #include "runtime/runtime.h"
 #include "shaders/records.h"
 #include "tests/support/agreement.h"

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "compiler/flatten.h"
+#include "compiler/layout/flatten.h"
 #include "tests/support/scene_table.h"
 
 using namespace dmvv;

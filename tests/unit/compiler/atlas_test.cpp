@@ -1,4 +1,4 @@
-#include "compiler/atlas.h"
+#include "compiler/layout/atlas.h"
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,6 @@
-#include "compiler/flatten.h"
 #include "compiler/generate_glsl.h"
 #include "compiler/glsl_text.h"
+#include "compiler/layout/flatten.h"
 
 #include <doctest/doctest.h>
 

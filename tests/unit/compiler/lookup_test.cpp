@@ -1,4 +1,4 @@
-#include "compiler/lookup.h"
+#include "compiler/layout/lookup.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "compiler/tapes.h"
+#include "compiler/layout/tapes.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <bit>
 #include <optional>
 
+#include "compiler/layout/tape_cells.h"
 #include "compiler/shader_text.h"
-#include "compiler/tape_cells.h"
 
 namespace dmvv::compiler {
 

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "compiler/ir/module.h"
+#include "compiler/layout/tape_options.h"
 #include "compiler/snippet/tape.h"
-#include "compiler/tape_options.h"
 #include "shaders/records.h"
 
 namespace dmvv::compiler {

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "compiler/atlas.h"
 #include "compiler/ir/module.h"
-#include "compiler/lookup.h"
+#include "compiler/layout/atlas.h"
+#include "compiler/layout/lookup.h"
 #include "compiler/passes/seed_chains.h"
 #include "compiler/program.h"
 #include "shaders/records.h"

@@ -1,4 +1,4 @@
-#include "compiler/tape_cells.h"
+#include "compiler/layout/tape_cells.h"
 
 #include <algorithm>
 #include <functional>

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "compiler/layout/tapes.h"
 #include "compiler/snippet/straight_line.h"
-#include "compiler/tapes.h"
 
 namespace dmvv::compiler {
 

@@ -1,4 +1,4 @@
-#include "compiler/flatten.h"
+#include "compiler/layout/flatten.h"
 
 #include <fmt/format.h>
 
