@@ -13,7 +13,7 @@
 
 #include "compiler/layout/flatten.h"
 #include "compiler/layout/lookup.h"
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 
 namespace dmvv::authoring {
 

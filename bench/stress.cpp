@@ -17,7 +17,7 @@
 #include "compiler/compile.h"
 #include "compiler/ir/affine.h"
 #include "compiler/layout/flatten.h"
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 
 namespace dmvv::stress {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench/run.h"
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 #include "voml/assets/mesh.h"
 
 namespace dmvv::bench {

@@ -12,7 +12,7 @@
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "cli/progress.h"
-#include "compiler/lint.h"
+#include "compiler/reference/lint.h"
 
 namespace dmvv::cli {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "compiler/explanation.h"
+#include "compiler/reference/explanation.h"
 
 namespace dmvv::cli {
 

@@ -11,7 +11,7 @@
 #include "cli/commands.h"
 #include "cli/explain.h"
 #include "cli/options.h"
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 #include "voml/assets/grid.h"
 
 namespace dmvv::cli {

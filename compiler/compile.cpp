@@ -13,7 +13,7 @@
 #include "compiler/layout/tapes.h"
 #include "compiler/passes/content.h"
 #include "compiler/passes/passes.h"
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 #include "compiler/snippet/time_values.h"
 #include "compiler/steepness.h"
 #include "compiler/thesis.h"

@@ -13,7 +13,7 @@
 #include "compiler/grids/grid_range.h"
 #include "compiler/grids/texels.h"
 #include "compiler/ir/rounding.h"
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 
 namespace dmvv::compiler {
 

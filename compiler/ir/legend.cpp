@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 
 namespace dmvv::compiler {
 

@@ -7,7 +7,7 @@
 #include <map>
 #include <string>
 
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 #include "runtime/runtime.h"
 #include "tests/support/agreement.h"
 #include "tests/support/scene_table.h"

@@ -9,7 +9,7 @@
 
 #include "bench/workload.h"
 #include "compiler/layout/tape_cells.h"
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 #include "runtime/runtime.h"
 #include "shaders/records.h"
 #include "tests/support/agreement.h"

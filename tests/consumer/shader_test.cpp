@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "compiler/compile.h"
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 #include "runtime/runtime.h"
 
 using namespace dmvv;

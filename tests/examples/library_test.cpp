@@ -7,7 +7,7 @@
 #include <set>
 
 #include "base/files.h"
-#include "compiler/lint.h"
+#include "compiler/reference/lint.h"
 #include "runtime/runtime.h"
 #include "tests/cli/program.h"
 #include "tests/random/points.h"

@@ -3,7 +3,7 @@
 #include <map>
 
 #include "compiler/compile.h"
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 #include "tests/fuzz/targets.h"
 #include "tests/support/grids.h"
 #include "voml/format.h"

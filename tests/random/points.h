@@ -4,7 +4,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 
 namespace dmvv::tests::random_scenes {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 #include "tests/render/render_scenes.h"
 #include "tests/support/scenes.h"
 

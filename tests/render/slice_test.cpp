@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <set>
 
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 #include "runtime/view.h"
 #include "tests/render/render_scenes.h"
 #include "tests/support/scenes.h"

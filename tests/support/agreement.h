@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "compiler/compile.h"
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 
 namespace dmvv::tests {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 #include "compiler/verdict_tree.h"
 
 namespace dmvv::tests {

@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 #include "tests/unit/authoring/scene_fields.h"
 #include "tests/unit/authoring/shapes.h"
 

@@ -8,7 +8,7 @@
 #include "authoring/cellpack.h"
 #include "authoring/gunzip.h"
 #include "authoring/kind_table.h"
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 #include "tests/support/gzip.h"
 #include "voml/scene.h"
 

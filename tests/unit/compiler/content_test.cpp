@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/vector_relational.hpp>
 
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 #include "tests/support/scenes.h"
 
 using namespace dmvv;

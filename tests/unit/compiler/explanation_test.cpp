@@ -1,5 +1,5 @@
 // Explanations: what was asked is what the specification says is asked, with values and distances from mathematics.
-#include "compiler/explanation.h"
+#include "compiler/reference/explanation.h"
 
 #include <doctest/doctest.h>
 

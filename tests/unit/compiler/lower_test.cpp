@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 #include "tests/support/scene_table.h"
 
 using namespace dmvv;

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <glm/gtc/type_precision.hpp>
 
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 #include "tests/support/scenes.h"
 
 using namespace dmvv;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 #include "tests/support/scene_table.h"
 
 using namespace dmvv;

@@ -1,5 +1,5 @@
 // compiler::lint: warnings of what is no distance, and of surfaces that the cube cuts off.
-#include "compiler/lint.h"
+#include "compiler/reference/lint.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

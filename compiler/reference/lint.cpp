@@ -1,6 +1,6 @@
 // The walk over a module, and what the trees of objects make of the borders of cubes and tiles. What is said of a source
 // alone stands in lint_sources.cpp.
-#include "compiler/lint.h"
+#include "compiler/reference/lint.h"
 
 #include <fmt/format.h>
 
@@ -10,9 +10,9 @@
 #include <optional>
 #include <set>
 
-#include "compiler/lint_samples.h"
-#include "compiler/lint_sources.h"
-#include "compiler/reference.h"
+#include "compiler/reference/lint_samples.h"
+#include "compiler/reference/lint_sources.h"
+#include "compiler/reference/reference.h"
 #include "compiler/snippet/probe_points.h"
 #include "compiler/snippet/snippet.h"
 

@@ -1,4 +1,4 @@
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 
 #include <algorithm>
 #include <cassert>
@@ -6,12 +6,12 @@
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
-#include "compiler/explanation.h"
 #include "compiler/grids/grid_bounds.h"
 #include "compiler/grids/texels.h"
 #include "compiler/ir/rounding.h"
 #include "compiler/layout/flatten.h"
 #include "compiler/layout/lookup.h"
+#include "compiler/reference/explanation.h"
 
 namespace dmvv::compiler {
 

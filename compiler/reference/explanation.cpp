@@ -1,4 +1,4 @@
-#include "compiler/explanation.h"
+#include "compiler/reference/explanation.h"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 
 #include "base/diagnostics.h"
 #include "compiler/ir/module.h"
-#include "compiler/lint_samples.h"
+#include "compiler/reference/lint_samples.h"
 
 namespace dmvv::compiler {
 

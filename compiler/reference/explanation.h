@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "compiler/reference.h"
+#include "compiler/reference/reference.h"
 
 namespace dmvv::compiler {
 

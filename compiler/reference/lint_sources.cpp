@@ -1,4 +1,4 @@
-#include "compiler/lint_sources.h"
+#include "compiler/reference/lint_sources.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "compiler/lint_samples.h"
+#include "compiler/reference/lint_samples.h"
 
 #include <cmath>
 
