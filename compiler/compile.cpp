@@ -7,15 +7,15 @@
 
 #include "compiler/generate_glsl.h"
 #include "compiler/grids/texels.h"
-#include "compiler/judge.h"
 #include "compiler/layout/atlas.h"
 #include "compiler/layout/flatten.h"
 #include "compiler/layout/tapes.h"
 #include "compiler/passes/content.h"
 #include "compiler/passes/passes.h"
+#include "compiler/proofs/judge.h"
+#include "compiler/proofs/steepness.h"
 #include "compiler/reference/reference.h"
 #include "compiler/snippet/time_values.h"
-#include "compiler/steepness.h"
 #include "compiler/thesis.h"
 
 namespace dmvv::compiler {

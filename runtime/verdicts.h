@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "compiler/judge.h"
-#include "compiler/verdict_tree.h"
+#include "compiler/proofs/judge.h"
+#include "compiler/proofs/verdict_tree.h"
 #include "runtime/gpu.h"
 
 namespace dmvv::runtime {

@@ -1,5 +1,5 @@
 // How far an answer holds: while it is found, what each step says of the points nearby is kept. Comes after
-// shaders/evaluate.glsl, in programs whose generator was told how steep their sources are (compiler/steepness.h).
+// shaders/evaluate.glsl, in programs whose generator was told how steep their sources are (compiler/proofs/steepness.h).
 // DMVV_LEADERS: the kernel asks; in the others all of this is nothing.
 #ifdef DMVV_LEADERS
 

@@ -209,7 +209,7 @@ struct PlacementRecord {
   uint united;     // row of the object's parameters << DMVV_FAMILY_BITS | family, from 1 (compiler/families.h); else 0
 };
 
-// ---- verdict trees (compiler/verdict_tree.h) ----
+// ---- verdict trees (compiler/proofs/verdict_tree.h) ----
 // A tree of the standard cube: each cell is split into 4 x 4 x 4, a brick of words, x fastest; brick 0 splits the cube.
 #define DMVV_VERDICT_LEVELS 8             // most splits: cells are 2 / 65536 wide then
 #define DMVV_VERDICT_UNITS 65536u         // of the finest cells along an axis

@@ -1,4 +1,4 @@
-// The trees of verdicts (compiler/verdict_tree.h): descriptor set 2. Comes after shaders/records.h.
+// The trees of verdicts (compiler/proofs/verdict_tree.h): descriptor set 2. Comes after shaders/records.h.
 
 layout(set = 2, binding = DMVV_BIND_VERDICT_WORDS, std430) readonly buffer VerdictWords { uint verdict_words[]; };
 layout(set = 2, binding = DMVV_BIND_VERDICT_HITS, std430) buffer VerdictHits { uint verdict_hits[]; };

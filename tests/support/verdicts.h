@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "compiler/proofs/verdict_tree.h"
 #include "compiler/reference/reference.h"
-#include "compiler/verdict_tree.h"
 
 namespace dmvv::tests {
 

@@ -1,5 +1,5 @@
 // Verdicts are proofs: whatever is drawn at random in a decided cell, the reference says the same.
-#include "compiler/judge.h"
+#include "compiler/proofs/judge.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "compiler/judge.h"
+#include "compiler/proofs/judge.h"
 #include "shaders/records.h"
 
 namespace dmvv::compiler {

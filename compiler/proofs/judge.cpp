@@ -1,6 +1,6 @@
 // One box, all ways through the scene that it leaves open. The ways are kept as a tree of arrivals: a box within asks the
 // arrival of the wider box first, and tests only what is open there.
-#include "compiler/judge.h"
+#include "compiler/proofs/judge.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "compiler/steepness.h"
+#include "compiler/proofs/steepness.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "base/parallel.h"
 #include "compiler/grids/grid_bounds.h"
-#include "compiler/judge.h"
+#include "compiler/proofs/judge.h"
 
 namespace dmvv::compiler {
 

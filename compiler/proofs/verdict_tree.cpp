@@ -1,4 +1,4 @@
-#include "compiler/verdict_tree.h"
+#include "compiler/proofs/verdict_tree.h"
 
 #include <algorithm>
 #include <glm/common.hpp>
