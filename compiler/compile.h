@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "base/result.h"
-#include "compiler/cost_model.h"
 #include "compiler/ir/module.h"
 #include "compiler/layout/tape_options.h"
+#include "compiler/plan/cost_model.h"
+#include "compiler/plan/stage_options.h"
 #include "compiler/program.h"
 #include "compiler/spirv/code_cache.h"
-#include "compiler/stage_options.h"
 
 namespace dmvv::compiler {
 

@@ -10,7 +10,7 @@
 #include "compiler/compile.h"
 #include "compiler/layout/flatten.h"
 #include "compiler/layout/tapes.h"
-#include "compiler/stage_options.h"
+#include "compiler/plan/stage_options.h"
 
 namespace dmvv::compiler {
 

@@ -1,4 +1,4 @@
-// The evaluation in parts (compiler/stage_plan.h).
+// The evaluation in parts (compiler/plan/stage_plan.h).
 #include "compiler/generator.h"
 
 namespace dmvv::compiler {

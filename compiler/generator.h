@@ -20,11 +20,11 @@
 
 #include <fmt/format.h>
 
-#include "compiler/code_plan.h"
 #include "compiler/families.h"
 #include "compiler/generate_glsl.h"
 #include "compiler/glsl_text.h"
-#include "compiler/stage_plan.h"
+#include "compiler/plan/code_plan.h"
+#include "compiler/plan/stage_plan.h"
 
 namespace dmvv::compiler {
 
@@ -214,7 +214,7 @@ class Generator : GlslWriter {
   /// Nobody inside answered: the region's own colour counts, unless it is empty.
   void emit_own_answer(const std::vector<Id<Region>>& regions, bool one_region);
 
-  // ---- stages (compiler/stage_plan.h) ----
+  // ---- stages (compiler/plan/stage_plan.h) ----
   static std::string stage_name(std::uint32_t stage) { return fmt::format("stage_{}", stage); }
   std::string nobody() const { return stage_ ? "hit_number == 0u && next_stage == 0u" : "hit_number == 0u"; }
   void emit_stages();

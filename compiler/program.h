@@ -137,7 +137,7 @@ std::vector<float> time_values(std::span<const TimeFunction> functions, double t
 
 class Judge;
 
-/// A part of the kernel `pixels` with a list of pixels of its own (compiler/stage_plan.h).
+/// A part of the kernel `pixels` with a list of pixels of its own (compiler/plan/stage_plan.h).
 struct Stage {
   std::string glsl;
   std::vector<std::uint32_t> spirv;  ///< empty if `pixels` was not asked for

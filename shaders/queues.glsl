@@ -1,4 +1,4 @@
-// The pixels of stages (compiler/stage_plan.h). Comes after shaders/records.h and shaders/pixel_io.glsl.
+// The pixels of stages (compiler/plan/stage_plan.h). Comes after shaders/records.h and shaders/pixel_io.glsl.
 layout(set = 1, binding = DMVV_BIND_QUEUES, std430) buffer Queues {
   QueueHeader header;
   uint pixels[];  // x, and y in the upper half

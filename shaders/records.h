@@ -45,7 +45,7 @@ using uvec4 = glm::uvec4;
 #define DMVV_BIND_LEADER_COLOR 6   // rgba32f
 #define DMVV_BIND_LEADER_REGION 7  // r32ui
 
-// of programs in stages (compiler/stage_plan.h)
+// of programs in stages (compiler/plan/stage_plan.h)
 #define DMVV_BIND_QUEUES 8     // QueueHeader, then the pixels of stages 1, 2, ..., with room for all of a tile each
 #define DMVV_BIND_NEXT 9       // uint[]: of each pixel of the stage that ran last the stage it goes on to; 0: none
 

@@ -1,4 +1,4 @@
-// Pixels evaluated in stages (compiler/stage_plan.h) and by one kernel: the same pictures, bit by bit.
+// Pixels evaluated in stages (compiler/plan/stage_plan.h) and by one kernel: the same pictures, bit by bit.
 #include <doctest/doctest.h>
 
 #include "runtime/runtime.h"

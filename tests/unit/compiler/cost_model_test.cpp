@@ -1,4 +1,4 @@
-#include "compiler/cost_model.h"
+#include "compiler/plan/cost_model.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

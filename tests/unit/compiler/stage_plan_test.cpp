@@ -1,4 +1,4 @@
-#include "compiler/stage_plan.h"
+#include "compiler/plan/stage_plan.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "compiler/code_plan.h"
-#include "compiler/stage_options.h"
+#include "compiler/plan/code_plan.h"
+#include "compiler/plan/stage_options.h"
 
 namespace dmvv::compiler {
 

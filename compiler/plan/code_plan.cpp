@@ -1,4 +1,4 @@
-#include "compiler/code_plan.h"
+#include "compiler/plan/code_plan.h"
 
 #include <fmt/format.h>
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "compiler/cost_model.h"
 #include "compiler/ir/module.h"
+#include "compiler/plan/cost_model.h"
 #include "compiler/program.h"
 
 namespace dmvv::compiler {

@@ -1,4 +1,4 @@
-#include "compiler/cost_model.h"
+#include "compiler/plan/cost_model.h"
 
 #include <algorithm>
 #include <glm/matrix.hpp>
@@ -6,7 +6,7 @@
 #include <numeric>
 #include <set>
 
-#include "compiler/code_plan.h"
+#include "compiler/plan/code_plan.h"
 
 namespace dmvv::compiler {
 
