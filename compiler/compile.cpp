@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "compiler/generate_glsl.h"
+#include "compiler/glsl/generate_glsl.h"
 #include "compiler/grids/texels.h"
 #include "compiler/layout/atlas.h"
 #include "compiler/layout/flatten.h"

@@ -7,8 +7,8 @@
 #include <cassert>
 #include <set>
 
-#include "compiler/generate_glsl.h"
-#include "compiler/glsl_text.h"
+#include "compiler/glsl/generate_glsl.h"
+#include "compiler/glsl/glsl_text.h"
 #include "compiler/layout/flatten.h"
 #include "compiler/passes/content.h"
 #include "compiler/passes/passes.h"

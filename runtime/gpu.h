@@ -45,7 +45,7 @@ struct GpuImage {
 /// Descriptors that kernels over pixels have beside the scene's (runtime/render.cpp, shaders/pixel_io.glsl): images; buffers, the
 /// four of the verdicts included.
 inline constexpr std::uint32_t images_of_pixels = 7, buffers_of_pixels = 8;
-/// Buffers of a scene that can be texels, which count as images (compiler/generate_glsl.h: form_of).
+/// Buffers of a scene that can be texels, which count as images (compiler/glsl/generate_glsl.h: form_of).
 inline constexpr std::uint32_t most_texel_buffers = 7;
 
 /// What only some devices have, and kernels are chosen by. What all of them must have: runtime/device.cpp.

@@ -206,7 +206,7 @@ struct PlacementRecord {
   uint tiled;
   uint extent;     // candidates only: how far from the middle the object is not empty, 10 bits an axis; thesis: the number
                    // within the region, since there a list holds placements instead of their indices
-  uint united;     // row of the object's parameters << DMVV_FAMILY_BITS | family, from 1 (compiler/families.h); else 0
+  uint united;     // row of the object's parameters << DMVV_FAMILY_BITS | family, from 1 (compiler/glsl/families.h); else 0
 };
 
 // ---- verdict trees (compiler/proofs/verdict_tree.h) ----

@@ -15,7 +15,7 @@
 #include <set>
 #include <span>
 
-#include "compiler/glsl_text.h"
+#include "compiler/glsl/glsl_text.h"
 #include "compiler/snippet/device_functions.h"
 #include "compiler/snippet/emit_glsl.h"
 #include "compiler/snippet/snippet.h"
@@ -273,7 +273,7 @@ bool never_ends(const Sequence& sequence) {
   return last.kind == Node::Kind::branch && never_ends(last.body) && never_ends(last.other);
 }
 
-/// Characters but for those of numbers: snippets that differ in constants alone are written alike (compiler/families.h).
+/// Characters but for those of numbers: snippets that differ in constants alone are written alike (compiler/glsl/families.h).
 std::size_t length_without_numbers(std::string_view text) {
   return static_cast<std::size_t>(
       std::ranges::count_if(text, [](char c) { return std::string_view("0123456789.-").find(c) == std::string_view::npos; }));

@@ -1,5 +1,5 @@
-#include "compiler/generate_glsl.h"
-#include "compiler/glsl_text.h"
+#include "compiler/glsl/generate_glsl.h"
+#include "compiler/glsl/glsl_text.h"
 #include "compiler/layout/flatten.h"
 
 #include <doctest/doctest.h>

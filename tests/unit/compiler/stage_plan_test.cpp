@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "compiler/families.h"
+#include "compiler/glsl/families.h"
 #include "tests/support/scenes.h"
 
 using namespace dmvv;

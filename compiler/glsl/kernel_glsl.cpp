@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "compiler/generate_glsl.h"
+#include "compiler/glsl/generate_glsl.h"
 #include "compiler/shader_text.h"
 #include "shaders/records.h"
 

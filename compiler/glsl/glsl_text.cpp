@@ -1,4 +1,4 @@
-#include "compiler/glsl_text.h"
+#include "compiler/glsl/glsl_text.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // The evaluation in parts (compiler/plan/stage_plan.h).
-#include "compiler/generator.h"
+#include "compiler/glsl/generator.h"
 
 namespace dmvv::compiler {
 

@@ -20,9 +20,9 @@
 
 #include <fmt/format.h>
 
-#include "compiler/families.h"
-#include "compiler/generate_glsl.h"
-#include "compiler/glsl_text.h"
+#include "compiler/glsl/families.h"
+#include "compiler/glsl/generate_glsl.h"
+#include "compiler/glsl/glsl_text.h"
 #include "compiler/plan/code_plan.h"
 #include "compiler/plan/stage_plan.h"
 

@@ -1,5 +1,5 @@
 // Embedded objects as GLSL: a run of candidates is one loop, with one call for each different shape.
-#include "compiler/generator.h"
+#include "compiler/glsl/generator.h"
 
 namespace dmvv::compiler {
 

@@ -1,5 +1,5 @@
 // Colours of regions as GLSL.
-#include "compiler/generator.h"
+#include "compiler/glsl/generator.h"
 
 namespace dmvv::compiler {
 

@@ -1,9 +1,9 @@
-#include "compiler/generate_glsl.h"
+#include "compiler/glsl/generate_glsl.h"
 
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
-#include "compiler/generator.h"
+#include "compiler/glsl/generator.h"
 
 namespace dmvv::compiler {
 

@@ -57,7 +57,7 @@ struct Evaluation {
   std::uint32_t stage_count = 0;  ///< 0: there are none
   std::vector<StageText> stages;  ///< the same in parts: stage k is `void stage_k(vec3 p)`, which may set next_stage
   std::vector<TimeFunction> time_functions;
-  std::vector<glm::uvec4> parameters;          ///< of united functions (compiler/families.h)
+  std::vector<glm::uvec4> parameters;          ///< of united functions (compiler/glsl/families.h)
   std::map<Id<Object>, std::uint32_t> united;  ///< what PlacementRecord::united says where such an object is a candidate
   Uses uses;
   std::uint32_t inlined_lines = 0;

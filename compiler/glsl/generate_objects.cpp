@@ -1,5 +1,5 @@
 // Objects as GLSL: decisions, and whether and what an object answers.
-#include "compiler/generator.h"
+#include "compiler/glsl/generator.h"
 
 namespace dmvv::compiler {
 

@@ -1,5 +1,5 @@
 // Distance functions as GLSL, and how far what they tell holds (shaders/reach.glsl).
-#include "compiler/generator.h"
+#include "compiler/glsl/generator.h"
 
 namespace dmvv::compiler {
 

@@ -1,4 +1,4 @@
-#include "compiler/families.h"
+#include "compiler/glsl/families.h"
 
 #include <fmt/format.h>
 
