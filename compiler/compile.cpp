@@ -16,7 +16,7 @@
 #include "compiler/proofs/steepness.h"
 #include "compiler/reference/reference.h"
 #include "compiler/snippet/time_values.h"
-#include "compiler/thesis.h"
+#include "compiler/thesis/thesis.h"
 
 namespace dmvv::compiler {
 

@@ -71,7 +71,7 @@ struct Evaluation {
 /// Specialised: every object becomes a function of nested branches with constant matrices; a run of candidates becomes
 /// one loop with one call for each different object. Drivers inline every call, so the inlined size is estimated, and
 /// beyond the budget objects are cut: they are walked over the records (shaders/walk.glsl).
-/// Table: the root is cut. Thesis: likewise, and walked by shaders/walk_thesis.glsl over records of compiler/thesis.h.
+/// Table: the root is cut. Thesis: likewise, and walked by shaders/walk_thesis.glsl over records of compiler/thesis/thesis.h.
 Evaluation generate_evaluation(const Module& module, const Records& records, const Atlas& grid_atlas,
                                const GlslOptions& options);
 

@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "compiler/reference/reference.h"
-#include "compiler/thesis.h"
+#include "compiler/thesis/thesis.h"
 #include "runtime/runtime.h"
 #include "tests/support/scene_table.h"
 

@@ -1,4 +1,4 @@
-#include "compiler/thesis.h"
+#include "compiler/thesis/thesis.h"
 
 #include <fmt/format.h>
 
