@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "bench/workload.h"
-#include "runtime/view.h"
+#include "runtime/view/view.h"
 
 namespace dmvv::bench {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/files.h"
-#include "runtime/view.h"
+#include "runtime/view/view.h"
 
 namespace dmvv::bench {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cli/options.h"
-#include "runtime/view.h"
+#include "runtime/view/view.h"
 
 namespace dmvv::cli {
 

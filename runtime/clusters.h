@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "runtime/shot.h"
 #include "runtime/surface.h"
+#include "runtime/view/shot.h"
 
 namespace dmvv::runtime {
 

@@ -6,8 +6,8 @@
 
 #include "runtime/clusters.h"
 #include "runtime/gpu.h"
-#include "runtime/shot.h"
 #include "runtime/surface.h"
+#include "runtime/view/shot.h"
 
 namespace dmvv::runtime {
 

@@ -14,7 +14,7 @@
 #include "base/result.h"
 #include "compiler/program.h"
 #include "runtime/disk_cache.h"
-#include "runtime/view.h"
+#include "runtime/view/view.h"
 #include "voml/assets/mesh.h"
 
 namespace dmvv::runtime {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "runtime/view.h"
+#include "runtime/view/view.h"
 #include "tests/cli/scenes.h"
 #include "voml/scene.h"
 

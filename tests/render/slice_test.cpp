@@ -7,7 +7,7 @@
 #include <set>
 
 #include "compiler/reference/reference.h"
-#include "runtime/view.h"
+#include "runtime/view/view.h"
 #include "tests/render/render_scenes.h"
 #include "tests/support/scenes.h"
 

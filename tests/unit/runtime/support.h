@@ -11,7 +11,7 @@
 
 #include "compiler/program.h"
 #include "runtime/runtime.h"
-#include "runtime/view.h"
+#include "runtime/view/view.h"
 #include "voml/assets/mesh.h"
 
 namespace dmvv::test {

@@ -1,5 +1,5 @@
 // Parses cameras, planes and sizes; places the default camera and the pixels of slices.
-#include "runtime/view.h"
+#include "runtime/view/view.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // View -> what the shaders are told.
-#include "runtime/shot.h"
+#include "runtime/view/shot.h"
 
 #include <fmt/format.h>
 

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "base/result.h"
-#include "runtime/view.h"
+#include "runtime/view/view.h"
 #include "shaders/raster.h"
 #include "shaders/records.h"
 #include "voml/assets/mesh.h"

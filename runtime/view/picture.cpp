@@ -8,7 +8,7 @@
 #include <functional>
 #include <new>
 
-#include "runtime/view.h"
+#include "runtime/view/view.h"
 #include "voml/assets/image_file.h"
 
 #if defined(_WIN32)
