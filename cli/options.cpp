@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/calibrate.h"
+#include "runtime/gpu/calibrate.h"
 
 namespace dmvv::cli {
 namespace {

@@ -6,7 +6,7 @@ set(DMVV_PUBLIC_HEADERS
   authoring/bake.h authoring/distance_grid.h authoring/field.h authoring/grid_check.h authoring/molecule.h
   compiler/ir/affine.h compiler/spirv/code_cache.h compiler/compile.h compiler/plan/cost_model.h compiler/reference/explanation.h compiler/inventory.h compiler/reference/lint.h
   compiler/ir/module.h compiler/program.h compiler/reference/reference.h compiler/snippet/snippet.h compiler/plan/stage_options.h compiler/layout/tape_options.h
-  runtime/disk_cache.h runtime/runtime.h runtime/view/view.h
+  runtime/gpu/disk_cache.h runtime/runtime.h runtime/view/view.h
   shaders/records.h
   base/diagnostic_codes.def base/diagnostics.h base/files.h voml/format.h voml/assets/grid.h base/id.h voml/assets/mesh.h base/result.h voml/scene.h)
 foreach(header IN LISTS DMVV_PUBLIC_HEADERS)

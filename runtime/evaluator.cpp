@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "compiler/passes/content.h"
-#include "runtime/pipeline_cache.h"
+#include "runtime/gpu/pipeline_cache.h"
 #include "shaders/records.h"
 
 namespace dmvv::runtime {

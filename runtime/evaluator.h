@@ -4,7 +4,7 @@
 #include <array>
 #include <map>
 
-#include "runtime/gpu.h"
+#include "runtime/gpu/gpu.h"
 #include "runtime/raster.h"
 #include "runtime/trials.h"
 #include "runtime/verdicts.h"

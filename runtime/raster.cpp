@@ -16,7 +16,7 @@
 #include <glm/packing.hpp>
 #include <utility>
 
-#include "runtime/pipeline_cache.h"
+#include "runtime/gpu/pipeline_cache.h"
 #include "spirv/raster_parts_comp.h"
 #include "spirv/raster_parts_long_comp.h"
 #include "spirv/raster_parts_long_texels_comp.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "runtime/clusters.h"
-#include "runtime/gpu.h"
+#include "runtime/gpu/gpu.h"
 #include "runtime/surface.h"
 #include "runtime/view/shot.h"
 

@@ -13,7 +13,7 @@
 
 #include "base/result.h"
 #include "compiler/program.h"
-#include "runtime/disk_cache.h"
+#include "runtime/gpu/disk_cache.h"
 #include "runtime/view/view.h"
 #include "voml/assets/mesh.h"
 

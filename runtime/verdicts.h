@@ -5,7 +5,7 @@
 
 #include "compiler/proofs/judge.h"
 #include "compiler/proofs/verdict_tree.h"
-#include "runtime/gpu.h"
+#include "runtime/gpu/gpu.h"
 
 namespace dmvv::runtime {
 

@@ -1,5 +1,5 @@
 // Where compiled code may be kept between runs. The compiler itself knows no files: whoever calls it brings the place
-// (runtime/disk_cache.h has one).
+// (runtime/gpu/disk_cache.h has one).
 #pragma once
 
 #include <cstdint>

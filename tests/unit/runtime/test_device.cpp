@@ -4,8 +4,8 @@
 #include <memory>
 #include <unistd.h>
 
-#include "runtime/calibrate.h"
-#include "runtime/gpu.h"
+#include "runtime/gpu/calibrate.h"
+#include "runtime/gpu/gpu.h"
 #include "support.h"
 
 using namespace dmvv;

@@ -10,7 +10,7 @@
 #include <optional>
 #include <thread>
 
-#include "runtime/disk_cache.h"
+#include "runtime/gpu/disk_cache.h"
 
 using dmvv::runtime::code_cache;
 using dmvv::runtime::DiskCache;

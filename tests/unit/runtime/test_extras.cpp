@@ -1,7 +1,7 @@
 // A device without extras (no 64-bit atomics, short texel buffers) draws the same pictures as one that has them, to the bit.
 #include <algorithm>
 
-#include "runtime/gpu.h"
+#include "runtime/gpu/gpu.h"
 #include "support.h"
 
 using namespace dmvv;

@@ -4,8 +4,8 @@
 #include <random>
 
 #include "kernels/sines_points.h"
-#include "runtime/gpu.h"
-#include "runtime/own_sines.h"
+#include "runtime/gpu/gpu.h"
+#include "runtime/gpu/own_sines.h"
 #include "support.h"
 
 using namespace dmvv;

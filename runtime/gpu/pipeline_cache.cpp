@@ -1,4 +1,4 @@
-#include "runtime/pipeline_cache.h"
+#include "runtime/gpu/pipeline_cache.h"
 
 namespace dmvv::runtime {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "runtime/gpu.h"
+#include "runtime/gpu/gpu.h"
 
 namespace dmvv::runtime {
 

@@ -1,5 +1,5 @@
 // Each figure is the difference between two programs that differ in one thing, divided by how often that is in there.
-#include "runtime/calibrate.h"
+#include "runtime/gpu/calibrate.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "compiler/snippet/program.h"
-#include "runtime/gpu.h"
+#include "runtime/gpu/gpu.h"
 
 namespace dmvv::runtime {
 

@@ -10,8 +10,8 @@
 #include <filesystem>
 #include <string_view>
 
-#include "runtime/gpu.h"
-#include "runtime/own_sines.h"
+#include "runtime/gpu/gpu.h"
+#include "runtime/gpu/own_sines.h"
 
 namespace dmvv::runtime {
 namespace {

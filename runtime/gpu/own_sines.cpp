@@ -1,4 +1,4 @@
-#include "runtime/own_sines.h"
+#include "runtime/gpu/own_sines.h"
 
 #include <bit>
 #include <cstring>
