@@ -5,7 +5,7 @@
 #include <map>
 
 #include "runtime/gpu/gpu.h"
-#include "runtime/raster.h"
+#include "runtime/surface/raster.h"
 #include "runtime/trials.h"
 #include "runtime/verdicts.h"
 

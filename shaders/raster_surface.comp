@@ -5,7 +5,7 @@
 #include "shaders/cuts.glsl"
 #include "shaders/triangle.glsl"
 #include "shaders/surface.glsl"
-// What each pixel shows: the nearest triangle, or a cap, where the solid is around the cap's point (runtime/raster.cpp).
+// What each pixel shows: the nearest triangle, or a cap, where the solid is around the cap's point (runtime/surface/raster.cpp).
 
 layout(local_size_x = DMVV_RUN_TRIANGLES) in;
 layout(set = 0, binding = DMVV_RASTER_NEAREST, std430) readonly buffer Nearest { uvec2 nearest[]; };

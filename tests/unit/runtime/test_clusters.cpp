@@ -1,5 +1,5 @@
 // Clusters hold what they say, and a plan leaves out nothing that is seen.
-#include "runtime/clusters.h"
+#include "runtime/surface/clusters.h"
 
 #include <algorithm>
 #include <array>

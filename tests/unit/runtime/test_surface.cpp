@@ -1,4 +1,4 @@
-#include "runtime/surface.h"
+#include "runtime/surface/surface.h"
 
 #include <cmath>
 #include <glm/geometric.hpp>

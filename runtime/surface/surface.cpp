@@ -1,5 +1,5 @@
 // Support mesh -> vertices with normals, split at creases.
-#include "runtime/surface.h"
+#include "runtime/surface/surface.h"
 
 #include <fmt/format.h>
 

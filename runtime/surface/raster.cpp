@@ -8,7 +8,7 @@
 // Counting tells: of the mesh's fragments beyond that point, those that leave the solid minus those that enter it are
 // the shells around the point, whatever the mesh's shape (Crow 1977, shadow volumes). One counting serves all cuts, since the
 // kept part is convex and every ray enters it once.
-#include "runtime/raster.h"
+#include "runtime/surface/raster.h"
 
 #include <algorithm>
 #include <array>

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "runtime/surface.h"
+#include "runtime/surface/surface.h"
 #include "runtime/view/shot.h"
 
 namespace dmvv::runtime {

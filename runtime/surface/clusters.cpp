@@ -1,5 +1,5 @@
 // Surface -> clusters -> what of it a view needs.
-#include "runtime/clusters.h"
+#include "runtime/surface/clusters.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // What a picture is drawn on, prepared while its scene is compiled.
-#include "runtime/raster.h"
+#include "runtime/surface/raster.h"
 
 namespace dmvv::runtime {
 namespace {

@@ -4,9 +4,9 @@
 #include <map>
 #include <vector>
 
-#include "runtime/clusters.h"
 #include "runtime/gpu/gpu.h"
-#include "runtime/surface.h"
+#include "runtime/surface/clusters.h"
+#include "runtime/surface/surface.h"
 #include "runtime/view/shot.h"
 
 namespace dmvv::runtime {
