@@ -42,7 +42,7 @@ struct GpuImage {
   vk::raii::ImageView view{nullptr};
 };
 
-/// Descriptors that kernels over pixels have beside the scene's (runtime/render.cpp, shaders/pixel_io.glsl): images; buffers, the
+/// Descriptors that kernels over pixels have beside the scene's (runtime/frame/render.cpp, shaders/pixel_io.glsl): images; buffers, the
 /// four of the verdicts included.
 inline constexpr std::uint32_t images_of_pixels = 7, buffers_of_pixels = 8;
 /// Buffers of a scene that can be texels, which count as images (compiler/glsl/generate_glsl.h: form_of).

@@ -5,7 +5,7 @@
 #include <array>
 #include <map>
 
-#include "runtime/trials.h"
+#include "runtime/frame/trials.h"
 
 using dmvv::runtime::Trials;
 

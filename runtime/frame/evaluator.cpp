@@ -1,5 +1,5 @@
 // A program on a device: limits, upload, kernels; the scene at points.
-#include "runtime/evaluator.h"
+#include "runtime/frame/evaluator.h"
 
 #include <algorithm>
 #include <bit>

@@ -4,10 +4,10 @@
 #include <array>
 #include <map>
 
+#include "runtime/frame/trials.h"
+#include "runtime/frame/verdicts.h"
 #include "runtime/gpu/gpu.h"
 #include "runtime/surface/raster.h"
-#include "runtime/trials.h"
-#include "runtime/verdicts.h"
 
 namespace dmvv::runtime {
 

@@ -6,7 +6,7 @@
 #include <glm/common.hpp>
 #include <limits>
 
-#include "runtime/evaluator.h"
+#include "runtime/frame/evaluator.h"
 #include "spirv/classify_comp.h"
 #include "spirv/count_groups_comp.h"
 #include "spirv/count_hits_comp.h"

@@ -1,4 +1,4 @@
-#include "runtime/verdicts.h"
+#include "runtime/frame/verdicts.h"
 
 #include <algorithm>
 #include <array>
