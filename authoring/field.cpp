@@ -11,6 +11,8 @@
 #include <limits>
 #include <set>
 
+#include "compiler/grids/sample.h"
+#include "compiler/ir/placements.h"
 #include "compiler/layout/flatten.h"
 #include "compiler/layout/lookup.h"
 #include "compiler/reference/reference.h"

@@ -12,6 +12,7 @@
 #include "authoring/chance.h"
 #include "authoring/slices.h"
 #include "authoring/triangle_tree.h"
+#include "compiler/grids/sample.h"
 #include "compiler/reference/reference.h"
 
 namespace dmvv::authoring {

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "bench/workload.h"
+#include "runtime/view/frame_passes.h"
 #include "runtime/view/view.h"
 
 namespace dmvv::bench {

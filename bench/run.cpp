@@ -10,7 +10,7 @@
 #include "bench/statistics.h"
 #include "bench/truth.h"
 #include "bench/workload.h"
-#include "runtime/gpu/calibrate.h"
+#include "runtime/calibrate.h"
 
 namespace dmvv::bench {
 namespace {

@@ -16,6 +16,7 @@
 #include "bench/stress_scenes.h"
 #include "compiler/compile.h"
 #include "compiler/ir/affine.h"
+#include "compiler/ir/legend.h"
 #include "compiler/layout/flatten.h"
 #include "compiler/reference/reference.h"
 

@@ -20,7 +20,7 @@
 #include "cli/outputs.h"
 #include "cli/progress.h"
 #include "cli/view_options.h"
-#include "runtime/gpu/calibrate.h"
+#include "runtime/calibrate.h"
 
 namespace dmvv::cli {
 namespace {

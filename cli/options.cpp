@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/gpu/calibrate.h"
+#include "runtime/calibrate.h"
 
 namespace dmvv::cli {
 namespace {

@@ -11,6 +11,7 @@
 #include "cli/commands.h"
 #include "cli/explain.h"
 #include "cli/options.h"
+#include "compiler/ir/legend.h"
 #include "compiler/reference/reference.h"
 #include "voml/assets/grid.h"
 

@@ -6,15 +6,22 @@
 #include <cstring>
 
 #include "compiler/glsl/generate_glsl.h"
+#include "compiler/glsl/kernel.h"
 #include "compiler/grids/texels.h"
+#include "compiler/ir/legend.h"
 #include "compiler/layout/atlas.h"
 #include "compiler/layout/flatten.h"
+#include "compiler/layout/record_access.h"
+#include "compiler/layout/resources.h"
 #include "compiler/layout/tapes.h"
 #include "compiler/passes/content.h"
 #include "compiler/passes/passes.h"
+#include "compiler/passes/seed_chains.h"
+#include "compiler/plan/codegen.h"
 #include "compiler/proofs/judge.h"
 #include "compiler/proofs/steepness.h"
 #include "compiler/reference/reference.h"
+#include "compiler/snippet/time_function.h"
 #include "compiler/snippet/time_values.h"
 #include "compiler/thesis/thesis.h"
 
@@ -191,15 +198,6 @@ void run_passes(Module& module, const CompileOptions& options) {
   if (enabled(options, "prune-sides")) prune_sides(module);
   if (enabled(options, "drop-unreachable")) drop_unreachable(module);
   if (writes_code(options) && enabled(options, "trim-cubes")) trim_cubes(module, options.atlas_format, options.filter);
-}
-
-std::vector<float> time_values(std::span<const TimeFunction> functions, double time_ms) {
-  std::vector<float> values;
-  for (const TimeFunction& function : functions) {
-    const std::vector<float> own = function.snippet.time_values(time_ms);
-    values.insert(values.end(), own.begin(), own.end());
-  }
-  return values;
 }
 
 bool can_evaluate(const Module& module, Diagnostics& diagnostics) {

@@ -7,8 +7,12 @@
 #include <vector>
 
 #include "base/result.h"
+#include "compiler/glsl/kernel.h"
+#include "compiler/grids/storage.h"
 #include "compiler/ir/module.h"
 #include "compiler/layout/tape_options.h"
+#include "compiler/passes/seed_chains.h"
+#include "compiler/plan/codegen.h"
 #include "compiler/plan/cost_model.h"
 #include "compiler/plan/stage_options.h"
 #include "compiler/program.h"
@@ -49,6 +53,9 @@ bool writes_code(const CompileOptions& options);
 
 /// How such a program looks seeds and candidates up.
 IndexOptions index_options(const CompileOptions& options);
+
+/// The chains of SDFs that share a search: none if the pass chain-seeds is off, or nothing is written as code.
+std::vector<SeedChain> seed_chains(const Module& module, const CompileOptions& options);
 
 /// Refuses what this version cannot evaluate, on the CPU or the GPU.
 /// Errors: E0304 embedding deeper than 256 levels.

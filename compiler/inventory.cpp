@@ -9,9 +9,15 @@
 
 #include "compiler/glsl/generate_glsl.h"
 #include "compiler/glsl/glsl_text.h"
+#include "compiler/grids/storage.h"
+#include "compiler/ir/placements.h"
 #include "compiler/layout/flatten.h"
+#include "compiler/layout/record_access.h"
+#include "compiler/layout/resources.h"
 #include "compiler/passes/content.h"
 #include "compiler/passes/passes.h"
+#include "compiler/passes/seed_chains.h"
+#include "compiler/plan/codegen.h"
 
 namespace dmvv::compiler {
 namespace {

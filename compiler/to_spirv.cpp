@@ -2,6 +2,7 @@
 #include <spirv-tools/libspirv.hpp>
 
 #include "compiler/compile.h"
+#include "compiler/glsl/kernel.h"
 #include "compiler/spirv/glsl_compiler.h"
 
 namespace dmvv::compiler {

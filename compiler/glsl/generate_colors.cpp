@@ -1,5 +1,6 @@
 // Colours of regions as GLSL.
 #include "compiler/glsl/generator.h"
+#include "compiler/snippet/glsl_literal.h"
 
 namespace dmvv::compiler {
 

@@ -4,6 +4,9 @@
 #include <glm/vector_relational.hpp>
 
 #include "compiler/glsl/generator.h"
+#include "compiler/grids/storage.h"
+#include "compiler/ir/rounding.h"
+#include "compiler/plan/codegen.h"
 
 namespace dmvv::compiler {
 

@@ -7,10 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "compiler/compile.h"
+#include "compiler/glsl/kernel.h"
+#include "compiler/grids/storage.h"
 #include "compiler/layout/flatten.h"
+#include "compiler/layout/record_access.h"
 #include "compiler/layout/tapes.h"
+#include "compiler/plan/codegen.h"
+#include "compiler/plan/cost_model.h"
 #include "compiler/plan/stage_options.h"
+#include "compiler/snippet/time_function.h"
 
 namespace dmvv::compiler {
 
@@ -80,9 +85,6 @@ std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Ker
 
 /// Likewise, of the kernel `pixels` one of its stages.
 std::string generate_stage_glsl(const Evaluation& evaluation, std::uint32_t depth, std::size_t stage, RecordAccess access);
-
-/// What the buffer at this binding of set 0 is to the kernels that generate_glsl writes.
-BufferForm form_of(std::uint32_t binding, RecordAccess access);
 
 /// Does the image of the standard cube lie in the box, float32 rounding included? Then `box_tests` leaves its test out.
 bool cube_maps_into(const Affine& affine, const LocalBox& box);

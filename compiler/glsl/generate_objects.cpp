@@ -1,5 +1,6 @@
 // Objects as GLSL: decisions, and whether and what an object answers.
 #include "compiler/glsl/generator.h"
+#include "compiler/passes/seed_chains.h"
 
 namespace dmvv::compiler {
 

@@ -1,5 +1,9 @@
 // Distance functions as GLSL, and how far what they tell holds (shaders/reach.glsl).
 #include "compiler/glsl/generator.h"
+#include "compiler/grids/storage.h"
+#include "compiler/ir/placements.h"
+#include "compiler/passes/seed_chains.h"
+#include "compiler/snippet/glsl_literal.h"
 
 namespace dmvv::compiler {
 

@@ -23,6 +23,8 @@
 #include "compiler/glsl/families.h"
 #include "compiler/glsl/generate_glsl.h"
 #include "compiler/glsl/glsl_text.h"
+#include "compiler/ir/rounding.h"
+#include "compiler/passes/seed_chains.h"
 #include "compiler/plan/code_plan.h"
 #include "compiler/plan/stage_plan.h"
 

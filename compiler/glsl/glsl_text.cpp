@@ -4,13 +4,9 @@
 
 #include <algorithm>
 
-namespace dmvv::compiler {
+#include "compiler/snippet/glsl_literal.h"
 
-std::string glsl_float(float value) {
-  std::string text = fmt::format("{}", value);
-  if (text.find_first_of(".en") == std::string::npos) text += ".0";
-  return text;
-}
+namespace dmvv::compiler {
 
 std::string vec3_literal(const glm::dvec3& v) {
   const glm::vec3 f(v);

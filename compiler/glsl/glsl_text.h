@@ -12,9 +12,6 @@
 
 namespace dmvv::compiler {
 
-/// A float32 as a GLSL literal that reads back as the same value.
-std::string glsl_float(float value);
-
 /// `vec3(...)` of the values rounded to float32; one component where all three are equal.
 std::string vec3_literal(const glm::dvec3& v);
 

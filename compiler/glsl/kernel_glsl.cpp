@@ -3,6 +3,10 @@
 #include <optional>
 
 #include "compiler/glsl/generate_glsl.h"
+#include "compiler/glsl/kernel.h"
+#include "compiler/grids/storage.h"
+#include "compiler/layout/record_access.h"
+#include "compiler/plan/codegen.h"
 #include "compiler/shader_text.h"
 #include "shaders/records.h"
 
@@ -48,28 +52,6 @@ std::string bindings(const Uses& uses, RecordAccess access) {
   if (uses.walker || uses.region_colors) buffer("DMVV_BIND_REGIONS", "Regions", "RegionRecord", "regions");
   return text;
 }
-
-}  // namespace
-
-BufferForm form_of(std::uint32_t binding, RecordAccess access) {
-  if (access == RecordAccess::buffers) return BufferForm::records;
-  switch (binding) {
-    case DMVV_BIND_CELLS:
-    case DMVV_BIND_LISTS:
-    case DMVV_BIND_TAPE_CELLS:
-      return BufferForm::r32ui;
-    case DMVV_BIND_TAPES:
-      return BufferForm::rg32ui;
-    case DMVV_BIND_PLACEMENTS:
-    case DMVV_BIND_SCALINGS:
-    case DMVV_BIND_PARAMETERS:
-      return BufferForm::rgba32ui;
-    default:
-      return BufferForm::records;
-  }
-}
-
-namespace {
 
 /// `stage`: of the kernel `pixels` this one alone.
 std::string kernel_text(const Evaluation& evaluation, std::uint32_t depth, Kernel kernel, RecordAccess access,

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compiler/grids/storage.h"
 #include "compiler/grids/texels.h"
-#include "compiler/layout/lookup.h"
+#include "compiler/ir/rounding.h"
 
 namespace dmvv::compiler {
 

@@ -3,7 +3,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "compiler/program.h"
+#include "compiler/grids/storage.h"
 #include "voml/assets/grid.h"
 
 namespace dmvv::compiler {

@@ -7,6 +7,7 @@
 #include <glm/gtc/packing.hpp>
 
 #include "compiler/grids/grid_bounds.h"
+#include "compiler/grids/storage.h"
 
 namespace dmvv::compiler {
 
@@ -38,20 +39,6 @@ std::uint16_t half_of(float value) { return glm::packHalf1x16(std::clamp(value, 
 std::uint8_t byte_of(float value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255.0f)); }
 
 }  // namespace
-
-std::size_t bytes_per_texel(BufferForm form) {
-  switch (form) {
-    case BufferForm::records:
-      return 0;
-    case BufferForm::r32ui:
-      return 4;
-    case BufferForm::rg32ui:
-      return 8;
-    case BufferForm::rgba32ui:
-      return 16;
-  }
-  return 0;
-}
 
 std::size_t bytes_per_texel(TexelFormat format) {
   switch (format) {

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "compiler/grids/storage.h"
 #include "compiler/ir/module.h"
-#include "compiler/program.h"
 
 namespace dmvv::compiler {
 

@@ -76,4 +76,8 @@ voml::Transform combine(const voml::Transform& transform, const voml::Seed& seed
           seed.scale * transform.scale};
 }
 
+glm::dvec3 abs_times(const glm::dmat3& linear, const glm::dvec3& v) {
+  return glm::abs(linear[0]) * v.x + glm::abs(linear[1]) * v.y + glm::abs(linear[2]) * v.z;
+}
+
 }  // namespace dmvv::compiler

@@ -21,6 +21,9 @@ Affine operator*(const Affine& a_from_b, const Affine& b_from_c);
 
 Affine inverse(const Affine& a_from_b);
 
+/// The largest magnitudes that linear * u can have, component by component, if |u| <= v.
+glm::dvec3 abs_times(const glm::dmat3& linear, const glm::dvec3& v);
+
 /// The largest singular value, or somewhat more: no step gets longer than that many times.
 double largest_stretch(const glm::dmat3& linear);
 

@@ -1,6 +1,6 @@
-#include <fmt/format.h>
+#include "compiler/ir/legend.h"
 
-#include "compiler/reference/reference.h"
+#include <fmt/format.h>
 
 namespace dmvv::compiler {
 

@@ -9,9 +9,18 @@
 #include <glm/vec3.hpp>
 
 #include "compiler/ir/affine.h"
-#include "compiler/layout/lookup.h"
 
 namespace dmvv::compiler {
+
+/// Unit roundoff of float32.
+inline constexpr double float_unit = 0x1p-24;
+/// What a device may flush to zero.
+inline constexpr double float_denormal = 0x1p-126;
+
+/// Bound of the float32 rounding error of each component of affine(p) for |p| <= reach, relative to the double result:
+/// the rounded matrix entry, the product and at most three sums, each half an ulp, and one to spare; and what a device
+/// flushes.
+glm::dvec3 float_error(const Affine& affine, const glm::dvec3& reach);
 
 /// A bound of a point's float32 error: component by component, and of its length. Rotations mix components, so sums of
 /// magnitudes would grow with every frame where the length does not.

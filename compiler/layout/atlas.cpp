@@ -13,6 +13,7 @@
 #include <set>
 #include <tuple>
 
+#include "compiler/grids/storage.h"
 #include "compiler/grids/texels.h"
 #include "shaders/records.h"
 

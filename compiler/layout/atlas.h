@@ -6,8 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "compiler/grids/storage.h"
 #include "compiler/ir/module.h"
-#include "compiler/program.h"
+#include "compiler/layout/resources.h"
 
 namespace dmvv::compiler {
 

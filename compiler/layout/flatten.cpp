@@ -8,6 +8,8 @@
 #include <glm/common.hpp>
 
 #include "base/parallel.h"
+#include "compiler/grids/storage.h"
+#include "compiler/ir/placements.h"
 
 namespace dmvv::compiler {
 
@@ -196,18 +198,6 @@ gpu::AffineRows rows(const Affine& affine) {
   return {vec({m[0].x, m[1].x, m[2].x}, t.x), vec({m[0].y, m[1].y, m[2].y}, t.y), vec({m[0].z, m[1].z, m[2].z}, t.z)};
 }
 
-bool only_scale(const Sdf& sdf) {
-  return sdf.placement == voml::Placement::seeded &&
-         std::ranges::all_of(sdf.local_from_object, [](const Affine& a) { return a.linear == glm::dmat3(a.linear[0].x); });
-}
-
-LocalBox local_box(const Sdf& sdf, const Module& module) {
-  const auto* id = std::get_if<Id<voml::Grid>>(&sdf.source);
-  if (!id) return {};
-  const voml::Grid& grid = at(module.grids, *id);
-  return {glm::max(grid.box_lo, glm::dvec3(-1.0)), glm::min(grid.box_hi, glm::dvec3(1.0))};
-}
-
 Affine atlas_from_local(const voml::Grid& grid, const glm::uvec3& slot, const glm::uvec3& atlas_extent) {
   const glm::dvec3 texels_per_unit = glm::dvec3(grid.size) / (grid.box_hi - grid.box_lo);
   const glm::dvec3 scale = texels_per_unit / glm::dvec3(atlas_extent);
@@ -223,21 +213,6 @@ Affine lookup_from_local(const voml::Grid& grid, Id<voml::Grid> id, const Atlas&
   return texels;
 }
 
-LocalBox asked_box(const Sdf& sdf, const Module& module) {
-  const LocalBox box = local_box(sdf, module);
-  return {glm::max(box.lo, sdf.content.lo), glm::min(box.hi, sdf.content.hi)};
-}
-
-std::vector<PlacedBox> placed_boxes(const Sdf& sdf, const Module& module) {
-  const LocalBox box = asked_box(sdf, module);
-  std::vector<PlacedBox> boxes;
-  boxes.reserve(sdf.local_from_object.size());
-  for (const Affine& affine : sdf.local_from_object) {
-    boxes.push_back({affine, float_error(affine, glm::dvec3(1.0)), box.lo, box.hi, false});
-  }
-  return boxes;
-}
-
 std::vector<PlacedBox> placed_boxes(const SeedChain& chain, const Module& module) {
   std::vector<PlacedBox> boxes;
   for (const Id<Sdf> sdf : chain) {
@@ -251,22 +226,6 @@ glm::uvec3 index_size(const SeedChain& chain, const Module& module) {
   glm::uvec3 size(0);
   for (const Id<Sdf> sdf : chain) size = glm::max(size, at(module.sdfs, sdf).index_size);
   return size;
-}
-
-std::vector<PlacedBox> placed_boxes(const CandidateGroup& group, const Module& module) {
-  const Affine object_from_frame = group.box_from_object ? inverse(*group.box_from_object) : Affine{};
-  std::vector<PlacedBox> boxes;
-  boxes.reserve(group.candidates.size());
-  for (const Candidate& candidate : group.candidates) {
-    const LocalBox& content = at(module.objects, candidate.object).content;
-    boxes.push_back({candidate.local_from_parent * object_from_frame,
-                     float_error(candidate.local_from_parent, glm::dvec3(1.0)), content.lo, content.hi, candidate.tiled});
-  }
-  return boxes;
-}
-
-glm::dvec3 lookup_frame_error(const CandidateGroup& group) {
-  return group.box_from_object ? float_error(*group.box_from_object, glm::dvec3(1.0)) : glm::dvec3(0.0);
 }
 
 Records flatten(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, IndexOptions index,
@@ -321,25 +280,6 @@ std::string to_text(const Records& records) {
   }
   out += fmt::format("cells {}\nlists {}\n", records.cells.size(), records.lists.size());
   return out;
-}
-
-std::string records_text(const Program& program) {
-  Records records;
-  const auto decode = [&]<class Record>(std::uint32_t binding, std::vector<Record>& into) {
-    const auto buffer = std::ranges::find(program.buffers, binding, &Buffer::binding);
-    if (buffer == program.buffers.end()) return;
-    into.resize(buffer->count);
-    std::memcpy(into.data(), buffer->bytes.data(), into.size() * sizeof(Record));
-  };
-  decode(DMVV_BIND_NODES, records.nodes);
-  decode(DMVV_BIND_SDFS, records.sdfs);
-  decode(DMVV_BIND_REGIONS, records.regions);
-  decode(DMVV_BIND_GROUPS, records.groups);
-  decode(DMVV_BIND_PLACEMENTS, records.placements);
-  decode(DMVV_BIND_CELLS, records.cells);
-  decode(DMVV_BIND_LISTS, records.lists);
-  decode(DMVV_BIND_OBJECTS, records.objects);
-  return to_text(records);
 }
 
 }  // namespace dmvv::compiler

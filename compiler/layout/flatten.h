@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "compiler/ir/module.h"
+#include "compiler/ir/placements.h"
 #include "compiler/layout/atlas.h"
 #include "compiler/layout/lookup.h"
 #include "compiler/passes/seed_chains.h"
-#include "compiler/program.h"
 #include "shaders/records.h"
 
 namespace dmvv::compiler {
@@ -32,22 +32,10 @@ struct Records {
   std::vector<std::uint32_t> objects;  ///< the reference of each object's root node (DMVV_REGION_BIT: a region)
 };
 
-/// Seeds of an SDF as boxes in the object's frame.
-std::vector<PlacedBox> placed_boxes(const Sdf& sdf, const Module& module);
 /// Seeds of all SDFs of a chain, one SDF after the other.
 std::vector<PlacedBox> placed_boxes(const SeedChain& chain, const Module& module);
 /// The least number of cells that their authors want, along each axis.
 glm::uvec3 index_size(const SeedChain& chain, const Module& module);
-/// Candidates of a group as boxes in its lookup frame (the INDEX box if it has one, else the object).
-std::vector<PlacedBox> placed_boxes(const CandidateGroup& group, const Module& module);
-/// Bound of the float32 error of a point in the group's lookup frame.
-glm::dvec3 lookup_frame_error(const CandidateGroup& group);
-
-/// The part of the standard cube in which an SDF's source is defined.
-LocalBox local_box(const Sdf& sdf, const Module& module);
-/// The part of it in which a seed is asked: beyond it nothing is.
-LocalBox asked_box(const Sdf& sdf, const Module& module);
-
 /// Atlas coordinates (normalised) of a grid's local points.
 Affine atlas_from_local(const voml::Grid& grid, const glm::uvec3& slot, const glm::uvec3& atlas_extent);
 /// Where the atlas's filter looks a grid's local points up: normalised coordinates for the texture unit, else texels,
@@ -55,9 +43,6 @@ Affine atlas_from_local(const voml::Grid& grid, const glm::uvec3& slot, const gl
 Affine lookup_from_local(const voml::Grid& grid, Id<voml::Grid> id, const Atlas& atlas);
 
 gpu::AffineRows rows(const Affine& affine);
-
-/// Do all placements of the seeds only scale, alike along all axes, and move?
-bool only_scale(const Sdf& sdf);
 
 /// How seeds and candidates are looked up.
 struct IndexOptions {
@@ -73,7 +58,4 @@ Records flatten(const Module& module, const Atlas& grid_atlas, const Atlas& bitm
 
 /// Records as text, one a line, stable.
 std::string to_text(const Records& records);
-/// The records in a program's buffers likewise: for `--dump records` and goldens.
-std::string records_text(const Program& program);
-
 }  // namespace dmvv::compiler

@@ -6,6 +6,9 @@
 #include <glm/vector_relational.hpp>
 #include <numeric>
 
+#include "compiler/ir/placements.h"
+#include "compiler/ir/rounding.h"
+
 namespace dmvv::compiler {
 
 namespace {
@@ -18,10 +21,6 @@ struct Box {
   glm::dvec3 lo;
   glm::dvec3 hi;
 };
-
-glm::dvec3 abs_times(const glm::dmat3& linear, const glm::dvec3& v) {
-  return glm::abs(linear[0]) * v.x + glm::abs(linear[1]) * v.y + glm::abs(linear[2]) * v.z;
-}
 
 /// Axis-aligned bounds of a placed box in the frame, clipped to the cube; empty (lo > hi) if they do not meet.
 Box frame_bounds(const PlacedBox& placed) {
@@ -157,11 +156,6 @@ std::uint64_t most_entries(std::size_t placements) {
 }
 
 }  // namespace
-
-glm::dvec3 float_error(const Affine& affine, const glm::dvec3& reach) {
-  const glm::dvec3 rounding = 6.0 * float_unit * (abs_times(affine.linear, reach) + glm::abs(affine.translation));
-  return rounding + float_denormal * (abs_times(affine.linear, glm::dvec3(1.0)) + 10.0);
-}
 
 glm::uvec3 Lookup::cell_of(const glm::dvec3& p) const {
   const glm::dvec3 u = (p - lo) / (hi - lo) * glm::dvec3(size);

@@ -6,27 +6,9 @@
 #include <vector>
 
 #include "compiler/ir/affine.h"
+#include "compiler/ir/placements.h"
 
 namespace dmvv::compiler {
-
-/// Unit roundoff of float32.
-inline constexpr double float_unit = 0x1p-24;
-/// What a device may flush to zero.
-inline constexpr double float_denormal = 0x1p-126;
-
-/// Bound of the float32 rounding error of each component of affine(p) for |p| <= reach, relative to the double result:
-/// the rounded matrix entry, the product and at most three sums, each half an ulp, and one to spare; and what a device
-/// flushes.
-glm::dvec3 float_error(const Affine& affine, const glm::dvec3& reach);
-
-/// A placed box: the points p whose local point lies in [lo, hi].
-struct PlacedBox {
-  Affine local_from_frame;
-  glm::dvec3 local_error{0.0};  ///< bound of the float32 error of the local point
-  glm::dvec3 lo{-1.0};
-  glm::dvec3 hi{1.0};
-  bool everywhere = false;  ///< tiled: holds every point
-};
 
 /// A uniform grid over [lo, hi] of the frame. A point outside belongs to the nearest cell.
 ///

@@ -8,6 +8,7 @@
 
 #include "compiler/layout/tape_cells.h"
 #include "compiler/shader_text.h"
+#include "compiler/snippet/time_range.h"
 
 namespace dmvv::compiler {
 
@@ -18,7 +19,7 @@ using snippet::Tape;
 using snippet::TimeSplit;
 
 /// Times at which a device reads what it may: none that a double can count in milliseconds is beyond.
-constexpr snippet::Interval all_times{-1e300, 1e300};
+constexpr snippet::Interval all_times{-any_time_ms, any_time_ms};
 
 /// As the shaders compare with it: in float32.
 std::vector<IsoRange> iso_ranges(const Module& module) {

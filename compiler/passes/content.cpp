@@ -12,8 +12,10 @@
 
 #include "base/parallel.h"
 #include "compiler/grids/grid_bounds.h"
-#include "compiler/layout/flatten.h"
-#include "compiler/layout/lookup.h"
+#include "compiler/grids/storage.h"
+#include "compiler/ir/placements.h"
+#include "compiler/ir/rounding.h"
+#include "compiler/snippet/time_range.h"
 
 namespace dmvv::compiler {
 

@@ -1,8 +1,8 @@
 // What lies in the cubes of seeds and objects: boxes beyond which nothing does, on any device.
 #pragma once
 
+#include "compiler/grids/storage.h"
 #include "compiler/ir/module.h"
-#include "compiler/program.h"
 
 namespace dmvv::compiler {
 
@@ -10,8 +10,5 @@ namespace dmvv::compiler {
 /// Proven by intervals over boxes for snippets, at any time, and by the samples of grids.
 /// Cost: a pass over the grids, and some 500 evaluations of a function over boxes, on all cores.
 void trim_cubes(Module& module, TexelFormat format, Filter filter);
-
-/// Times beyond this, in milliseconds, are refused: what is said of any time holds up to it.
-inline constexpr double any_time_ms = 1e300;
 
 }  // namespace dmvv::compiler

@@ -7,8 +7,6 @@
 
 namespace dmvv::compiler {
 
-struct CompileOptions;
-
 /// SDFs of decisions of which each stands on the positive side of the one before. All are seeded with one source and have one iso;
 /// nothing else uses them, and no other way leads to the decisions behind the first.
 using SeedChain = std::vector<Id<Sdf>>;
@@ -16,7 +14,4 @@ using SeedChain = std::vector<Id<Sdf>>;
 /// All chains of two SDFs and more, each as long as can be. An SDF whose author wants one list (index 1 1 1) is in none.
 /// Cost: linear.
 std::vector<SeedChain> find_seed_chains(const Module& module);
-/// Those that share a search: none if the pass chain-seeds is off, or nothing is written as code (compiler/compile.cpp).
-std::vector<SeedChain> seed_chains(const Module& module, const CompileOptions& options);
-
 }  // namespace dmvv::compiler

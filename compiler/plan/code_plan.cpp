@@ -7,6 +7,8 @@
 #include <numeric>
 #include <set>
 
+#include "compiler/plan/codegen.h"
+
 namespace dmvv::compiler {
 
 namespace {

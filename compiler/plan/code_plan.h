@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "compiler/ir/module.h"
+#include "compiler/plan/codegen.h"
 #include "compiler/plan/cost_model.h"
-#include "compiler/program.h"
 
 namespace dmvv::compiler {
 

@@ -11,9 +11,12 @@
 #include <span>
 
 #include "compiler/grids/grid_range.h"
+#include "compiler/grids/sample.h"
+#include "compiler/grids/storage.h"
 #include "compiler/grids/texels.h"
+#include "compiler/ir/placements.h"
 #include "compiler/ir/rounding.h"
-#include "compiler/reference/reference.h"
+#include "compiler/snippet/time_range.h"
 
 namespace dmvv::compiler {
 
@@ -25,10 +28,6 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 enum class Side { negative, positive, open };
 enum class Held { inside, outside, partly };
 enum class Answers { always, never, sometimes };  ///< an object, at the points of a box
-
-glm::dvec3 abs_times(const glm::dmat3& m, const glm::dvec3& v) {
-  return glm::abs(m[0]) * v.x + glm::abs(m[1]) * v.y + glm::abs(m[2]) * v.z;
-}
 
 /// Where points of root coordinates arrive, and how far off a device's may be.
 struct Frame {

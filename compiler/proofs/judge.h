@@ -4,9 +4,9 @@
 
 #include <memory>
 
+#include "compiler/grids/storage.h"
 #include "compiler/ir/module.h"
 #include "compiler/layout/flatten.h"
-#include "compiler/program.h"
 #include "compiler/snippet/snippet.h"
 
 namespace dmvv::compiler {
@@ -52,7 +52,6 @@ class Judge {
   Times times(const snippet::Interval& span_ms) const;
   /// For ever: `longest_ms` back and ahead. (Of infinity, sines would be NaN.)
   const Times& always() const;
-  static constexpr double longest_ms = 1e15;
 
   struct Impl;
 

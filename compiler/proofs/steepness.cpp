@@ -7,7 +7,9 @@
 
 #include "base/parallel.h"
 #include "compiler/grids/grid_bounds.h"
+#include "compiler/grids/storage.h"
 #include "compiler/proofs/judge.h"
+#include "compiler/snippet/time_range.h"
 
 namespace dmvv::compiler {
 
@@ -57,7 +59,7 @@ std::vector<snippet::Steepness> source_steepness(const Module& module, TexelForm
   for (const voml::Grid& grid : module.grids) of_grids.push_back(grid_steepness(grid, format, filter));
   for (const Function& function : module.functions) {
     of_functions.push_back(function.snippet.steepness({glm::dvec3(-1.0), glm::dvec3(1.0)},
-                                                      {-Judge::longest_ms, Judge::longest_ms}));
+                                                      {-longest_ms, longest_ms}));
   }
   for (const Sdf& sdf : module.sdfs) {
     const auto* function = std::get_if<Id<Function>>(&sdf.source);

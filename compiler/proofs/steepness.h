@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "compiler/grids/storage.h"
 #include "compiler/ir/module.h"
-#include "compiler/program.h"
 
 namespace dmvv::compiler {
 

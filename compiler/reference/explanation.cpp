@@ -8,6 +8,9 @@
 #include <glm/matrix.hpp>
 #include <limits>
 
+#include "compiler/grids/sample.h"
+#include "compiler/grids/storage.h"
+#include "compiler/ir/placements.h"
 #include "compiler/layout/flatten.h"
 
 namespace dmvv::compiler {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "compiler/grids/storage.h"
 #include "compiler/reference/reference.h"
 
 namespace dmvv::compiler {

@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 
+#include "compiler/grids/sample.h"
 #include "compiler/reference/lint_samples.h"
 #include "compiler/reference/lint_sources.h"
 #include "compiler/reference/reference.h"

@@ -3,8 +3,9 @@
 
 #include <memory>
 
+#include "compiler/grids/storage.h"
+#include "compiler/ir/legend.h"
 #include "compiler/ir/module.h"
-#include "compiler/program.h"
 
 namespace dmvv::compiler {
 
@@ -46,16 +47,5 @@ class Reference {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// Trilinear sample of a grid at a point of the standard cube, cell-centred, clamped to the outer centres.
-double sample(const voml::Grid& grid, const glm::dvec3& q);
-
-/// Catmull-Rom (tricubic, 64 samples) at a point of the grid's box, cell-centred; beyond the edge the outer samples
-/// repeat. Equal to the samples at their centres, once continuously differentiable.
-/// Source: Keys 1981, "Cubic convolution interpolation for digital image processing", a = -1/2.
-double sample_tricubic(const voml::Grid& grid, const glm::dvec3& q);
-
-/// The legend of a module's regions, in its order.
-std::vector<RegionInfo> legend(const Module& module);
 
 }  // namespace dmvv::compiler

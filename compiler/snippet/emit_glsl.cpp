@@ -15,9 +15,9 @@
 #include <set>
 #include <span>
 
-#include "compiler/glsl/glsl_text.h"
 #include "compiler/snippet/device_functions.h"
 #include "compiler/snippet/emit_glsl.h"
+#include "compiler/snippet/glsl_literal.h"
 #include "compiler/snippet/snippet.h"
 #include "compiler/snippet/time_values.h"
 

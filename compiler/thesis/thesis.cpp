@@ -8,6 +8,7 @@
 #include <glm/common.hpp>
 #include <numeric>
 
+#include "compiler/grids/storage.h"
 #include "compiler/grids/texels.h"
 
 namespace dmvv::compiler {

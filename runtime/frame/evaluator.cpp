@@ -8,7 +8,9 @@
 #include <cstring>
 
 #include "compiler/passes/content.h"
+#include "compiler/snippet/time_range.h"
 #include "runtime/gpu/pipeline_cache.h"
+#include "runtime/gpu/uploads.h"
 #include "shaders/records.h"
 
 namespace dmvv::runtime {
@@ -139,12 +141,6 @@ std::optional<Error> program_fault(const Device::Impl& gpu, const compiler::Prog
   return std::nullopt;
 }
 
-GpuBuffer staging_buffer(const Device::Impl& gpu, const void* bytes, std::size_t size) {
-  GpuBuffer staging = gpu.make_buffer(size, vk::BufferUsageFlagBits::eTransferSrc, MemoryUse::upload);
-  std::memcpy(staging.mapped, bytes, size);
-  return staging;
-}
-
 GpuImage upload_texture(const Device::Impl& gpu, const compiler::Texture& texture) {
   using Access = vk::AccessFlagBits;
   using Layout = vk::ImageLayout;
@@ -184,19 +180,6 @@ std::optional<PointAnswer> decode_answer(const std::uint32_t* words, std::uint32
 constexpr std::array point_io{vk::DescriptorType::eStorageBuffer, vk::DescriptorType::eStorageBuffer};
 
 }  // namespace
-
-GpuBuffer upload_buffer(const Device::Impl& gpu, const void* bytes, std::size_t size, vk::BufferUsageFlags usage) {
-  using Access = vk::AccessFlagBits;
-  using Stage = vk::PipelineStageFlagBits;
-  GpuBuffer made = gpu.make_buffer(size, usage | vk::BufferUsageFlagBits::eTransferDst, MemoryUse::device);
-  const GpuBuffer staging = staging_buffer(gpu, bytes, size);
-  gpu.run([&](const vk::raii::CommandBuffer& commands) {
-    commands.copyBuffer(*staging.buffer, *made.buffer, vk::BufferCopy{0, 0, size});
-    const vk::MemoryBarrier visible{.srcAccessMask = Access::eTransferWrite, .dstAccessMask = Access::eShaderRead};
-    commands.pipelineBarrier(Stage::eTransfer, Stage::eComputeShader, {}, visible, nullptr, nullptr);
-  });
-  return made;
-}
 
 Evaluator::Impl::Impl(const Device::Impl& device, const compiler::Program& program, Canvas canvas)
     : gpu(device), depth(program.depth), time_functions(program.time_functions), judge(program.judge),

@@ -6,6 +6,7 @@
 #include <glm/common.hpp>
 #include <limits>
 
+#include "compiler/snippet/time_range.h"
 #include "runtime/frame/evaluator.h"
 #include "spirv/classify_comp.h"
 #include "spirv/count_groups_comp.h"
@@ -206,20 +207,6 @@ bool enabled(const View& view, std::string_view pass) {
 }
 
 }  // namespace
-
-const std::vector<FramePassInfo>& frame_pass_names() {
-  static const std::vector<FramePassInfo> passes{
-      {"pixel-list", "pixels without a surface are not evaluated"},
-      {"clusters", "what lies beside the picture or is cut away is not drawn; what no cut meets is not tested"},
-      {"keep-surface", "what stands still before a camera that stands still is not drawn again"},
-      {"keep-picture", "a frame in which nothing changed is not evaluated again"},
-      {"verdicts", "where a proof tells the answer, nothing is evaluated; proofs are made from the second frame on"},
-      {"trials", "of verdicts and reach only what makes frames faster is used, as is tried now and then"},
-      {"reach", "one pixel of 4 x 4 tells how far its answer holds; those within are not evaluated"},
-      {"keep-still", "while only the time changes, what does not depend on it is not evaluated again"},
-  };
-  return passes;
-}
 
 bool operator==(const SurfaceKey& a, const SurfaceKey& b) {
   const auto same_slice = [](const SliceFrame& s, const SliceFrame& t) {
@@ -466,7 +453,7 @@ void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, con
 /// The fastest of those that are possible. The leaders' kernel is made when frames without it have taken as long as it takes
 /// to compile (rent or buy).
 Course Evaluator::Impl::choose_course(const FramePasses& passes) {
-  const bool may_skip = passes.pixel_list && has_drawn && std::abs(now_ms) <= compiler::Judge::longest_ms;
+  const bool may_skip = passes.pixel_list && has_drawn && std::abs(now_ms) <= compiler::longest_ms;
   const bool may_classify = may_skip && passes.verdicts && judge;
   const bool may_lead = may_skip && passes.reach && has_leaders() && (drawn_ms >= compile_ms || !passes.trials);
   if (!passes.trials) return {may_classify, may_lead};

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <string_view>
 
+#include "base/files.h"
 #include "runtime/gpu/gpu.h"
 #include "runtime/gpu/own_sines.h"
 

@@ -13,7 +13,7 @@
 #include <vector>
 #include <vulkan/vulkan_raii.hpp>
 
-#include "runtime/runtime.h"
+#include "runtime/gpu/device.h"
 
 namespace dmvv::runtime {
 

@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "runtime/gpu/pipeline_cache.h"
+#include "runtime/gpu/uploads.h"
 #include "spirv/raster_parts_comp.h"
 #include "spirv/raster_parts_long_comp.h"
 #include "spirv/raster_parts_long_texels_comp.h"

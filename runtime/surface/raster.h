@@ -86,7 +86,4 @@ class Rasteriser {
   std::uint32_t mesh_serial_ = 0;
 };
 
-/// Copies bytes into a buffer of device memory, by way of a staging buffer.
-GpuBuffer upload_buffer(const Device::Impl& gpu, const void* bytes, std::size_t size, vk::BufferUsageFlags usage);
-
 }  // namespace dmvv::runtime

@@ -1,4 +1,5 @@
-// Pictures to files.
+#include "runtime/view/picture.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,8 +8,8 @@
 #include <filesystem>
 #include <functional>
 #include <new>
+#include <optional>
 
-#include "runtime/view/view.h"
 #include "voml/assets/image_file.h"
 
 #if defined(_WIN32)

@@ -49,30 +49,11 @@ struct View {
   bool want_regions = false;
   bool want_depth = false;
   bool want_positions = false;
-  std::vector<std::string> disabled_passes;  ///< names of frame_pass_names()
+  std::vector<std::string> disabled_passes;  ///< names of frame_pass_names(), frame_passes.h
 };
 
 /// What a picture of it is drawn on; not for slices. Good as long as the view's mesh is.
 const voml::Mesh& support_mesh(const View& view);
-
-/// What is left out of a frame, name and one sentence each; none changes a picture.
-struct FramePassInfo {
-  std::string_view name;
-  std::string_view what;
-};
-const std::vector<FramePassInfo>& frame_pass_names();
-
-struct Picture {
-  glm::uvec2 size_px{0};
-  std::vector<float> rgba;             ///< Colors::floats: straight alpha, rows from the top, 0..1, sRGB as shown
-  std::vector<std::uint8_t> rgba8;     ///< Colors::bytes: the same times 255, rounded to the nearest
-  std::vector<std::uint32_t> regions;  ///< if asked for; at sample (0, 0) of each pixel when samples > 1
-  std::vector<float>
-      depth;  ///< if asked for: distance along the view direction, root units (0 on a slice); infinity where empty
-  std::vector<glm::vec3>
-      positions;  ///< if asked for: the point evaluated at sample (0, 0), root coordinates; NaN where there is no surface
-  voml::EdgeFaults edges;  ///< of the support mesh when cut: caps of a mesh that is not closed may leak
-};
 
 /// "eye 3 2 4 look 0 0 0 fov 30", optional "up x y z"; words in any order, eye and look needed.
 Result<Camera> parse_camera(std::string_view text);
@@ -96,22 +77,5 @@ struct SliceFrame {
   glm::dvec3 step_y;
 };
 SliceFrame slice_frame(const Plane& plane, glm::uvec2 size_px);
-
-/// Is any pixel not wholly transparent?
-bool shows_something(const Picture& picture);
-
-/// A channel as PNG stores it: the nearest of 0..255; NaN is 0.
-inline std::uint8_t to_byte(float value) {
-  return static_cast<std::uint8_t>(value > 0.0f ? (value < 1.0f ? value : 1.0f) * 255.0f + 0.5f : 0.0f);
-}
-
-/// Writes a picture: .png (8 bit, straight alpha), and if it has floats .tif/.tiff (16 bit, straight), .exr (float,
-/// premultiplied as the format wants). Two writes of the same picture give the same bytes. By way of a temporary name. Errors: input fault
-/// for an unknown ending or a folder that does not exist.
-Result<void> write_picture(const std::string& path, const Picture& picture);
-/// Region numbers: .exr (one uint channel "region"), .png / .tif (16 bit grey; refused if a number exceeds 65,535).
-Result<void> write_regions(const std::string& path, const Picture& picture);
-/// Depth: .exr, one float channel "Z".
-Result<void> write_depth(const std::string& path, const Picture& picture);
 
 }  // namespace dmvv::runtime

@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 
+#include "compiler/ir/legend.h"
 #include "compiler/reference/reference.h"
 #include "runtime/runtime.h"
 #include "tests/support/agreement.h"

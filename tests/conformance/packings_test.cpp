@@ -14,6 +14,7 @@
 #include <sstream>
 
 #include "base/files.h"
+#include "compiler/ir/legend.h"
 #include "runtime/runtime.h"
 #include "tests/random/points.h"
 #include "tests/support/agreement.h"

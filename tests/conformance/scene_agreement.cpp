@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "base/files.h"
+#include "compiler/ir/legend.h"
 #include "runtime/runtime.h"
 #include "tests/random/points.h"
 #include "tests/support/agreement.h"

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/files.h"
+#include "compiler/ir/legend.h"
 #include "compiler/reference/lint.h"
 #include "runtime/runtime.h"
 #include "tests/cli/program.h"

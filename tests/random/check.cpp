@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "compiler/ir/legend.h"
 #include "tests/random/points.h"
 #include "tests/support/verdicts.h"
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "compiler/grids/sample.h"
 #include "compiler/reference/reference.h"
 #include "tests/random/check.h"
 #include "voml/assets/grid.h"

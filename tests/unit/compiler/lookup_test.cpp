@@ -1,12 +1,10 @@
+#include "compiler/ir/placements.h"
 #include "compiler/layout/lookup.h"
-
-#include <doctest/doctest.h>
-
+#include "tests/support/scenes.h"
 #include <algorithm>
+#include <doctest/doctest.h>
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
-
-#include "tests/support/scenes.h"
 
 using namespace dmvv;
 

@@ -1,10 +1,9 @@
+#include "compiler/grids/sample.h"
+#include "compiler/ir/legend.h"
 #include "compiler/reference/reference.h"
-
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "tests/support/scene_table.h"
+#include <cmath>
+#include <doctest/doctest.h>
 
 using namespace dmvv;
 

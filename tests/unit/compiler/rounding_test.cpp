@@ -1,16 +1,14 @@
 // The bounds of spec/accuracy.md against float32 arithmetic, operation by operation as the shaders do it: how much of a
 // bound the worst of many random cases takes. More than all of it is an error; hardly any, and the bound says little.
+#include "compiler/grids/sample.h"
 #include "compiler/ir/rounding.h"
-
-#include <doctest/doctest.h>
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <glm/gtc/type_precision.hpp>
-
 #include "compiler/reference/reference.h"
 #include "tests/support/scenes.h"
+#include <algorithm>
+#include <cmath>
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+#include <glm/gtc/type_precision.hpp>
 
 using namespace dmvv;
 using compiler::Affine;

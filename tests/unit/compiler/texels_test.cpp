@@ -1,12 +1,10 @@
+#include "compiler/grids/sample.h"
 #include "compiler/grids/texels.h"
-
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <cstring>
-
 #include "compiler/reference/reference.h"
 #include "tests/support/scene_table.h"
+#include <cmath>
+#include <cstring>
+#include <doctest/doctest.h>
 
 using namespace dmvv;
 using compiler::Filter;

@@ -4,7 +4,7 @@
 #include <memory>
 #include <unistd.h>
 
-#include "runtime/gpu/calibrate.h"
+#include "runtime/calibrate.h"
 #include "runtime/gpu/gpu.h"
 #include "support.h"
 

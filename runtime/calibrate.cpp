@@ -1,5 +1,5 @@
 // Each figure is the difference between two programs that differ in one thing, divided by how often that is in there.
-#include "runtime/gpu/calibrate.h"
+#include "runtime/calibrate.h"
 
 #include <fmt/format.h>
 
