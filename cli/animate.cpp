@@ -299,11 +299,11 @@ int animate(const AnimateOptions& options, Context& context) {
   }
   context.stopwatch.lap("resume");
 
-  auto preparing = runtime::Canvas::prepare_async(opening.device, view);
+  auto preparing = runtime::PreparedSurface::prepare_async(opening.device, view);
   const compiler::Program program = compile(lower(std::move(scene), context, diagnostics, opening.code), form,
                                             compiler::Kernel::pixels, &device, context, diagnostics, opening.code);
   runtime::Timings timings;
-  auto evaluator = must(runtime::Evaluator::create(device, program, &timings, await_canvas(preparing, context)));
+  auto evaluator = must(runtime::Evaluator::create(device, program, &timings, await_surface(preparing, context)));
   context.stopwatch.lap(timings, "other");
 
   notice_signals();

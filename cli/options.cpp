@@ -156,10 +156,10 @@ runtime::Device await_device(const OpeningDevice& opening, Context& context) {
   return device;
 }
 
-runtime::Canvas await_canvas(std::future<Result<runtime::Canvas>>& preparing, Context& context) {
-  auto canvas = must(preparing.get());
+runtime::PreparedSurface await_surface(std::future<Result<runtime::PreparedSurface>>& preparing, Context& context) {
+  auto prepared = must(preparing.get());
   context.stopwatch.lap("surface");
-  return canvas;
+  return prepared;
 }
 
 int exit_code_of(const std::vector<std::string>& messages) {

@@ -73,7 +73,7 @@ OpeningDevice begin_device(const DeviceChoice& choice);
 runtime::Device await_device(const OpeningDevice& opening, Context& context);
 
 /// Waits for what the pictures are drawn on; the lap "surface" is what there was to wait for.
-runtime::Canvas await_canvas(std::future<Result<runtime::Canvas>>& preparing, Context& context);
+runtime::PreparedSurface await_surface(std::future<Result<runtime::PreparedSurface>>& preparing, Context& context);
 
 /// The exit code of a command that used a device: messages of the validation layer go to stderr and make it 2.
 int exit_code_of(const std::vector<std::string>& validation_messages);

@@ -119,13 +119,13 @@ int render(const RenderOptions& options, Context& context) {
   voml::Scene scene = read_scene(options.scene, context, diagnostics);
   const std::optional<voml::Mesh> mesh = place_camera(view, options.view, disk_files(), context, diagnostics);
   if (mesh) view.mesh = &*mesh;
-  auto preparing = runtime::Canvas::prepare_async(opening.device, view);
+  auto preparing = runtime::PreparedSurface::prepare_async(opening.device, view);
   compiler::Module module = lower(std::move(scene), context, diagnostics, opening.code);
   runtime::Device device = await_device(opening, context);
   const compiler::Program program =
       compile(std::move(module), form, compiler::Kernel::pixels, &device, context, diagnostics, opening.code);
   runtime::Timings timings;
-  auto evaluator = must(runtime::Evaluator::create(device, program, &timings, await_canvas(preparing, context)));
+  auto evaluator = must(runtime::Evaluator::create(device, program, &timings, await_surface(preparing, context)));
   const runtime::Picture picture = must(evaluator.render(view, &timings));
   context.stopwatch.lap(timings, "other");
 

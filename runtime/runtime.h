@@ -25,17 +25,17 @@ class Rasteriser;
 
 /// What a picture is drawn on, whatever the scene: the support mesh on the device, and the kernels that draw it, compiled. It can
 /// be prepared while a scene is compiled; without it, `Evaluator::render` does the same work.
-class Canvas {
+class PreparedSurface {
  public:
   /// For a picture of `view`, in a thread of its own, which waits for the device; slices need nothing. Until it is ready
   /// nothing else may run on the device, and the mesh must stay. Errors: those of the device, and those of
   /// `Evaluator::render` that come from the view.
-  static std::future<Result<Canvas>> prepare_async(std::shared_future<Result<Device>> opening, const View& view);
+  static std::future<Result<PreparedSurface>> prepare_async(std::shared_future<Result<Device>> opening, const View& view);
 
-  Canvas();
-  Canvas(Canvas&&) noexcept;
-  Canvas& operator=(Canvas&&) noexcept;
-  ~Canvas();
+  PreparedSurface();
+  PreparedSurface(PreparedSurface&&) noexcept;
+  PreparedSurface& operator=(PreparedSurface&&) noexcept;
+  ~PreparedSurface();
 
  private:
   friend class Evaluator;
@@ -48,7 +48,7 @@ class Evaluator {
   /// Errors: input fault if the program exceeds a limit of the device (names the limit and both numbers), environment
   /// fault if memory is short or the driver fails (VkResult by name). Adds "upload" to `timings`.
   static Result<Evaluator> create(Device& device, const compiler::Program& program, Timings* timings = nullptr,
-                                  Canvas canvas = {});
+                                  PreparedSurface prepared = {});
 
   /// The scene at a time and at points in root coordinates (rounded to float32). Answers in the order of the points.
   /// Needs the points kernel. Adds "pipeline" (first use), "gpu" and "probe" to `timings`. Errors: environment; input if the

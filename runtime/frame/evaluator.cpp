@@ -118,9 +118,9 @@ std::optional<Error> descriptors_fault(const Device::Impl& gpu, const compiler::
   const auto in_buffers = static_cast<std::uint32_t>(
       std::ranges::count(program.buffers, compiler::BufferForm::records, &compiler::Buffer::form));
   const std::uint32_t in_texels = static_cast<std::uint32_t>(program.buffers.size()) - in_buffers;
-  const auto fault = [&](std::uint32_t wanted, std::uint32_t most, std::string_view what, std::string_view limit) -> std::optional<Error> {
-    if (wanted <= most) return std::nullopt;
-    return Error{Fault::input, fmt::format("the scene needs {} {} a stage; '{}' allows {} ({})", wanted, what, gpu.info.name, most, limit), {}};
+  const auto fault = [&](std::uint32_t outputs, std::uint32_t most, std::string_view what, std::string_view limit) -> std::optional<Error> {
+    if (outputs <= most) return std::nullopt;
+    return Error{Fault::input, fmt::format("the scene needs {} {} a stage; '{}' allows {} ({})", outputs, what, gpu.info.name, most, limit), {}};
   };
   const vk::PhysicalDeviceLimits& limits = gpu.limits;
   if (auto found = fault(buffers_of_pixels + in_buffers, limits.maxPerStageDescriptorStorageBuffers, "storage buffers",
@@ -181,11 +181,11 @@ constexpr std::array point_io{vk::DescriptorType::eStorageBuffer, vk::Descriptor
 
 }  // namespace
 
-Evaluator::Impl::Impl(const Device::Impl& device, const compiler::Program& program, Canvas canvas)
+Evaluator::Impl::Impl(const Device::Impl& device, const compiler::Program& program, PreparedSurface prepared)
     : gpu(device), depth(program.depth), time_functions(program.time_functions), judge(program.judge),
       has_bitmaps(std::ranges::find(program.textures, std::uint32_t{DMVV_BIND_BITMAP_ATLAS}, &compiler::Texture::binding) !=
                   program.textures.end()),
-      rasteriser(std::move(canvas.rasteriser_)) {
+      rasteriser(std::move(prepared.rasteriser_)) {
   for (std::size_t i = 0; i < code.size(); ++i) code[i] = program.spirv[i];
   stages = program.stages;
   for (compiler::Stage& stage : stages) stage.glsl.clear();
@@ -424,11 +424,11 @@ Evaluator::Evaluator(Evaluator&&) noexcept = default;
 Evaluator& Evaluator::operator=(Evaluator&&) noexcept = default;
 Evaluator::~Evaluator() = default;
 
-Result<Evaluator> Evaluator::create(Device& device, const compiler::Program& program, Timings* timings, Canvas canvas) {
+Result<Evaluator> Evaluator::create(Device& device, const compiler::Program& program, Timings* timings, PreparedSurface prepared) {
   return guarded("uploading the scene", [&]() -> Result<Evaluator> {
     if (auto fault = program_fault(device.impl(), program)) return tl::unexpected(std::move(*fault));
     const Stopwatch watch(timings, "upload");
-    return Evaluator(std::make_unique<Impl>(device.impl(), program, std::move(canvas)));
+    return Evaluator(std::make_unique<Impl>(device.impl(), program, std::move(prepared)));
   });
 }
 

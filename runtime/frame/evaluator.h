@@ -4,7 +4,7 @@
 #include <array>
 #include <map>
 
-#include "runtime/frame/trials.h"
+#include "runtime/frame/autotuner.h"
 #include "runtime/frame/verdicts.h"
 #include "runtime/gpu/gpu.h"
 #include "runtime/surface/raster.h"
@@ -19,11 +19,11 @@ struct KernelPipeline {
 };
 
 /// What a frame brings back: the kernel is specialised to it.
-struct Wanted {
+struct Outputs {
   Colors colors = Colors::floats;
   bool regions = false;
   bool positions = false;
-  friend bool operator==(const Wanted&, const Wanted&) = default;
+  friend bool operator==(const Outputs&, const Outputs&) = default;
 };
 
 /// All that a tile's surface depends on; equal bytes are equal surfaces.
@@ -44,9 +44,9 @@ struct ShadingKey {
 bool operator==(const ShadingKey& a, const ShadingKey& b);
 
 /// The images and buffers of tiles up to a size, and what they hold now.
-struct Frame {
+struct FrameImages {
   vk::Extent2D extent;
-  Wanted wanted;
+  Outputs outputs;
   GpuImage color, bytes, region;  ///< those that are not wanted have one pixel
   GpuImage leader_place, leader_color, leader_region;  ///< of each tile of DMVV_LEADER_TILE; likewise
   GpuBuffer list;                 ///< PixelListHeader, then a word an entry
@@ -73,14 +73,14 @@ struct FramePasses {
 };
 
 /// How a tile's pixels are evaluated.
-struct Course {
+struct Strategy {
   static constexpr std::size_t count = 4;
   bool classifies = false;  ///< by verdicts
   bool leads = false;       ///< leaders first
   std::size_t number() const { return (classifies ? 1u : 0u) + (leads ? 2u : 0u); }
   /// Of each number: trees of verdicts grow where they are asked.
   static std::vector<bool> learns() { return {false, true, false, true}; }
-  static constexpr Course of_number(std::size_t number) { return {(number & 1u) != 0, (number & 2u) != 0}; }
+  static constexpr Strategy of_number(std::size_t number) { return {(number & 1u) != 0, (number & 2u) != 0}; }
 };
 
 /// Programs may rely on times within compiler::any_time_ms.
@@ -112,13 +112,13 @@ struct Evaluator::Impl {
   std::map<std::array<vk::Bool32, 3>, std::vector<KernelPipeline>> pixels;  ///< by the specialisation constants: each stage, or all
   std::map<std::array<vk::Bool32, 3>, KernelPipeline> leaders, follow, paint;  ///< likewise
   std::optional<Verdicts> verdicts;
-  Trials courses{Course::count, Course{.classifies = true, .leads = false}.number(), Course::learns()};
+  Autotuner autotuner{Strategy::count, Strategy{.classifies = true, .leads = false}.number(), Strategy::learns()};
   double compile_ms = 0.0, drawn_ms = 0.0;  ///< what the pixels' kernel took to compile; what frames have taken since
   bool has_drawn = false;  ///< a frame beyond the warm-up: another one may follow, and verdicts pay
   std::unique_ptr<Rasteriser> rasteriser;
-  std::optional<Frame> frame;
+  std::optional<FrameImages> frame;
 
-  Impl(const Device::Impl& device, const compiler::Program& program, Canvas canvas);
+  Impl(const Device::Impl& device, const compiler::Program& program, PreparedSurface prepared);
   /// `constants` are the specialisation constants 0, 1, ...
   Result<KernelPipeline> make_kernel(compiler::Kernel kernel, std::span<const vk::DescriptorType> io,
                                      std::uint32_t params_bytes, std::span<const vk::Bool32> constants = {}) const;
@@ -140,19 +140,19 @@ struct Evaluator::Impl {
   void upload(const compiler::Program& program);
   void make_views(const compiler::Program& program);
   void bind_scene(const compiler::Program& program);
-  Result<void> warm_up(const Shot& shot, vk::Extent2D extent, const Wanted& wanted, const FramePasses& passes,
+  Result<void> warm_up(const FrameSetup& setup, vk::Extent2D extent, const Outputs& outputs, const FramePasses& passes,
                        Timings* timings);
-  Frame make_frame(vk::Extent2D extent, const Wanted& wanted) const;
+  FrameImages make_frame(vk::Extent2D extent, const Outputs& outputs) const;
   bool has_leaders() const { return !code[static_cast<std::size_t>(compiler::Kernel::leaders)].empty(); }
   Result<void> make_pixels(const std::array<vk::Bool32, 3>& constants);
-  Course choose_course(const FramePasses& passes);
-  void make_verdicts(const Wanted& wanted);
-  void make_leaders(const Wanted& wanted);
-  void prepare_images(const vk::raii::CommandBuffer& commands, bool kept, bool clears, const Course& course);
+  Strategy choose_strategy(const FramePasses& passes);
+  void make_verdicts(const Outputs& outputs);
+  void make_leaders(const Outputs& outputs);
+  void prepare_images(const vk::raii::CommandBuffer& commands, bool kept, bool clears, const Strategy& strategy);
   void evaluate_tile(const vk::raii::CommandBuffer& commands, const gpu::PixelsParams& params, const FramePasses& passes,
-                     const Course& course);
+                     const Strategy& strategy);
   /// Returns the milliseconds on the device (Device::Impl::run); 0 where the frame held the tile already.
-  double render_tile(const Shot& shot, const Tile& tile, const FramePasses& passes);
+  double render_tile(const FrameSetup& setup, const Tile& tile, const FramePasses& passes);
 };
 
 }  // namespace dmvv::runtime

@@ -41,10 +41,10 @@ vk::BufferImageCopy tile_copy(vk::DeviceSize offset, glm::uvec2 size_px) {
 struct ReadbackLayout {
   vk::DeviceSize positions = 0, colors, regions, header, bytes;
 
-  ReadbackLayout(std::size_t pixels, const Wanted& wanted)
-      : colors(wanted.positions ? 16 * pixels : 0),
-        regions(colors + (wanted.colors == Colors::bytes ? 4 : 16) * pixels),
-        header(regions + (wanted.regions ? 4 * pixels : 0)),
+  ReadbackLayout(std::size_t pixels, const Outputs& outputs)
+      : colors(outputs.positions ? 16 * pixels : 0),
+        regions(colors + (outputs.colors == Colors::bytes ? 4 : 16) * pixels),
+        header(regions + (outputs.regions ? 4 * pixels : 0)),
         bytes(header + sizeof(gpu::PixelListHeader)) {}
 };
 
@@ -64,14 +64,14 @@ struct TilePixels {
   gpu::PixelListHeader counted;
 };
 
-TilePixels tile_pixels(const Frame& frame, const Tile& tile) {
-  const ReadbackLayout layout(pixels_of(tile), frame.wanted);
+TilePixels tile_pixels(const FrameImages& frame, const Tile& tile) {
+  const ReadbackLayout layout(pixels_of(tile), frame.outputs);
   const auto* mapped = static_cast<const std::byte*>(frame.readback.mapped);
-  const bool as_bytes = frame.wanted.colors == Colors::bytes;
+  const bool as_bytes = frame.outputs.colors == Colors::bytes;
   return {as_bytes ? nullptr : reinterpret_cast<const glm::vec4*>(mapped + layout.colors),
           as_bytes ? reinterpret_cast<const std::uint32_t*>(mapped + layout.colors) : nullptr,
-          frame.wanted.positions ? reinterpret_cast<const glm::uvec4*>(mapped + layout.positions) : nullptr,
-          frame.wanted.regions ? reinterpret_cast<const std::uint32_t*>(mapped + layout.regions) : nullptr,
+          frame.outputs.positions ? reinterpret_cast<const glm::uvec4*>(mapped + layout.positions) : nullptr,
+          frame.outputs.regions ? reinterpret_cast<const std::uint32_t*>(mapped + layout.regions) : nullptr,
           *reinterpret_cast<const gpu::PixelListHeader*>(mapped + layout.header)};
 }
 
@@ -93,17 +93,17 @@ glm::vec4 mean_color(const glm::vec4* first, std::size_t pitch, std::uint32_t sa
 
 bool is_surface(const glm::uvec4& texel) { return texel.w != 0; }
 
-float depth_of(const Shot& shot, std::uint32_t region, const glm::uvec4& texel) {
+float depth_of(const FrameSetup& setup, std::uint32_t region, const glm::uvec4& texel) {
   if (region == 0) return std::numeric_limits<float>::infinity();
-  if (shot.slice) return 0.0f;
-  return static_cast<float>(glm::dot(shot.forward, glm::dvec3(glm::uintBitsToFloat(glm::uvec3(texel))) - shot.eye));
+  if (setup.slice) return 0.0f;
+  return static_cast<float>(glm::dot(setup.forward, glm::dvec3(glm::uintBitsToFloat(glm::uvec3(texel))) - setup.eye));
 }
 
 /// The point that the kernel evaluates (shaders/pixels.comp).
-glm::vec3 position_of(const Shot& shot, const glm::uvec4& texel) {
+glm::vec3 position_of(const FrameSetup& setup, const glm::uvec4& texel) {
   if (!is_surface(texel)) return glm::vec3(std::numeric_limits<float>::quiet_NaN());
-  return glm::clamp(glm::uintBitsToFloat(glm::uvec3(texel)), glm::vec3(shot.pixels.bounds_lo),
-                    glm::vec3(shot.pixels.bounds_hi));
+  return glm::clamp(glm::uintBitsToFloat(glm::uvec3(texel)), glm::vec3(setup.pixels.bounds_lo),
+                    glm::vec3(setup.pixels.bounds_hi));
 }
 
 Picture empty_picture(const View& view) {
@@ -128,7 +128,7 @@ void put_color(const glm::vec4& color, std::size_t pixel, Picture& picture) {
 }
 
 /// Puts a tile into the picture.
-void resolve_tile(const TilePixels& from, const Tile& tile, const Shot& shot, std::uint32_t samples, Picture& picture) {
+void resolve_tile(const TilePixels& from, const Tile& tile, const FrameSetup& setup, std::uint32_t samples, Picture& picture) {
   const std::size_t pitch = tile.size_px.x;
   const glm::uvec2 corner = tile.corner_px / samples, size = tile.size_px / samples;
   for (std::uint32_t y = 0; y < size.y; ++y) {
@@ -142,8 +142,8 @@ void resolve_tile(const TilePixels& from, const Tile& tile, const Shot& shot, st
       const std::size_t pixel = row + x;
       if (from.colors != nullptr) put_color(mean_color(from.colors + source, pitch, samples), pixel, picture);
       if (!picture.regions.empty()) picture.regions[pixel] = from.regions[source];
-      if (!picture.depth.empty()) picture.depth[pixel] = depth_of(shot, from.regions[source], from.surface[source]);
-      if (!picture.positions.empty()) picture.positions[pixel] = position_of(shot, from.surface[source]);
+      if (!picture.depth.empty()) picture.depth[pixel] = depth_of(setup, from.regions[source], from.surface[source]);
+      if (!picture.positions.empty()) picture.positions[pixel] = position_of(setup, from.surface[source]);
     }
   }
 }
@@ -155,9 +155,9 @@ vk::ImageMemoryBarrier begin_writing(const GpuImage& image, bool kept) {
 }
 
 /// Uploads a slice's surface in place of a drawn one.
-void draw_slice(const vk::raii::CommandBuffer& commands, const Frame& frame, const GpuImage& surface, const Shot& shot,
+void draw_slice(const vk::raii::CommandBuffer& commands, const FrameImages& frame, const GpuImage& surface, const FrameSetup& setup,
                 const Tile& tile) {
-  fill_slice_surface(*shot.slice, tile.corner_px, tile.size_px, static_cast<glm::uvec4*>(frame.slice_surface.mapped));
+  fill_slice_surface(*setup.slice, tile.corner_px, tile.size_px, static_cast<glm::uvec4*>(frame.slice_surface.mapped));
   commands.pipelineBarrier(
       Stage::eTopOfPipe, Stage::eTransfer, {}, nullptr, nullptr,
       color_barrier(surface, Layout::eUndefined, Layout::eTransferDstOptimal, {}, Access::eTransferWrite));
@@ -169,8 +169,8 @@ void draw_slice(const vk::raii::CommandBuffer& commands, const Frame& frame, con
 }
 
 /// Records the copies of everything that is wanted into the buffer the host reads.
-void read_back(const vk::raii::CommandBuffer& commands, const Frame& frame, const GpuImage& surface, const Tile& tile) {
-  const ReadbackLayout layout(pixels_of(tile), frame.wanted);
+void read_back(const vk::raii::CommandBuffer& commands, const FrameImages& frame, const GpuImage& surface, const Tile& tile) {
+  const ReadbackLayout layout(pixels_of(tile), frame.outputs);
   const auto copy = [&](const GpuImage& image, vk::DeviceSize offset) {
     commands.pipelineBarrier(Stage::eComputeShader, Stage::eTransfer, {}, nullptr, nullptr,
                              color_barrier(image, Layout::eGeneral, Layout::eTransferSrcOptimal, Access::eShaderWrite,
@@ -178,9 +178,9 @@ void read_back(const vk::raii::CommandBuffer& commands, const Frame& frame, cons
     commands.copyImageToBuffer(*image.image, Layout::eTransferSrcOptimal, *frame.readback.buffer,
                                tile_copy(offset, tile.size_px));
   };
-  copy(frame.wanted.colors == Colors::bytes ? frame.bytes : frame.color, layout.colors);
-  if (frame.wanted.regions) copy(frame.region, layout.regions);
-  if (frame.wanted.positions) {
+  copy(frame.outputs.colors == Colors::bytes ? frame.bytes : frame.color, layout.colors);
+  if (frame.outputs.regions) copy(frame.region, layout.regions);
+  if (frame.outputs.positions) {
     copy(surface, layout.positions);
     commands.pipelineBarrier(Stage::eTransfer, Stage::eComputeShader, {}, nullptr, nullptr,
                              color_barrier(surface, Layout::eTransferSrcOptimal, Layout::eGeneral, {}, Access::eShaderRead));
@@ -198,8 +198,8 @@ bool only_time_differs(const ShadingKey& a, const ShadingKey& b) {
   return std::memcmp(&a.params, &b.params, sizeof a.params) == 0;
 }
 
-std::array<vk::Bool32, 3> kernel_constants(const Wanted& wanted, const FramePasses& passes) {
-  return {passes.pixel_list, wanted.colors == Colors::bytes, wanted.regions};
+std::array<vk::Bool32, 3> kernel_constants(const Outputs& outputs, const FramePasses& passes) {
+  return {passes.pixel_list, outputs.colors == Colors::bytes, outputs.regions};
 }
 
 bool enabled(const View& view, std::string_view pass) {
@@ -221,7 +221,7 @@ bool operator==(const ShadingKey& a, const ShadingKey& b) {
   return std::memcmp(&a.params, &b.params, sizeof a.params) == 0 && a.time_values == b.time_values;
 }
 
-Frame Evaluator::Impl::make_frame(vk::Extent2D extent, const Wanted& wanted) const {
+FrameImages Evaluator::Impl::make_frame(vk::Extent2D extent, const Outputs& outputs) const {
   using Usage = vk::ImageUsageFlagBits;
   const auto image = [&](vk::Format format, const vk::Extent3D& size) {
     return gpu.make_image(vk::ImageType::e2D, format, size, Usage::eStorage | Usage::eTransferSrc | Usage::eTransferDst);
@@ -231,14 +231,14 @@ Frame Evaluator::Impl::make_frame(vk::Extent2D extent, const Wanted& wanted) con
   };
   const auto tiles = [&](std::uint32_t px) { return has_leaders() ? px / DMVV_LEADER_TILE + 1 : 1; };
   const vk::Extent3D tile_extent{tiles(extent.width), tiles(extent.height), 1};
-  const bool as_bytes = wanted.colors == Colors::bytes;
+  const bool as_bytes = outputs.colors == Colors::bytes;
   const std::size_t count = std::size_t{extent.width} * extent.height;
-  Frame made;
-  made.wanted = wanted;
+  FrameImages made;
+  made.outputs = outputs;
   made.extent = extent;
   made.color = storage(vk::Format::eR32G32B32A32Sfloat, !as_bytes);
   made.bytes = storage(vk::Format::eR32Uint, as_bytes);
-  made.region = storage(vk::Format::eR32Uint, wanted.regions);
+  made.region = storage(vk::Format::eR32Uint, outputs.regions);
   made.leader_place = image(vk::Format::eR32G32B32A32Sfloat, tile_extent);
   made.leader_color = image(vk::Format::eR32G32B32A32Sfloat, tile_extent);
   made.leader_region = image(vk::Format::eR32Uint, tile_extent);
@@ -253,7 +253,7 @@ Frame Evaluator::Impl::make_frame(vk::Extent2D extent, const Wanted& wanted) con
   made.queues = gpu.make_buffer(sizeof(gpu::QueueHeader) + 4 * queued * count,
                                 BufferUse::eStorageBuffer | BufferUse::eIndirectBuffer | BufferUse::eTransferDst, MemoryUse::device);
   made.next_stages = gpu.make_buffer(stages.empty() ? 4 : 4 * count, BufferUse::eStorageBuffer, MemoryUse::device);
-  made.readback = gpu.make_buffer(ReadbackLayout(count, wanted).bytes, BufferUse::eTransferDst, MemoryUse::readback);
+  made.readback = gpu.make_buffer(ReadbackLayout(count, outputs).bytes, BufferUse::eTransferDst, MemoryUse::readback);
   made.pool = make_pool(pixel_io);
   made.io_set = make_set(made.pool, list->io_layout);
   const auto write_image = [&](std::uint32_t binding, const GpuImage& written) {
@@ -289,7 +289,7 @@ Frame Evaluator::Impl::make_frame(vk::Extent2D extent, const Wanted& wanted) con
 }
 
 /// Made before the second frame: one picture alone does without.
-void Evaluator::Impl::make_verdicts(const Wanted& wanted) {
+void Evaluator::Impl::make_verdicts(const Outputs& outputs) {
   const auto make = [&](std::span<const std::uint32_t> words, std::span<const vk::Bool32> constants) {
     return make_pipeline(words, pixel_io, sizeof(gpu::PixelsParams), constants, &verdicts->layout());
   };
@@ -298,7 +298,7 @@ void Evaluator::Impl::make_verdicts(const Wanted& wanted) {
     classify = make(classify_comp, {});
     count_hits = make(count_hits_comp, {});
   }
-  const auto constants = kernel_constants(wanted, {});
+  const auto constants = kernel_constants(outputs, {});
   if (paint.contains(constants)) return;
   paint.emplace(constants, has_bitmaps ? make(paint_bitmaps_comp, constants) : make(paint_comp, constants));
 }
@@ -322,30 +322,30 @@ Result<void> Evaluator::Impl::make_pixels(const std::array<vk::Bool32, 3>& const
 }
 
 /// Made when it is known to pay.
-void Evaluator::Impl::make_leaders(const Wanted& wanted) {
-  const auto constants = kernel_constants(wanted, {});
+void Evaluator::Impl::make_leaders(const Outputs& outputs) {
+  const auto constants = kernel_constants(outputs, {});
   if (leaders.contains(constants)) return;
   leaders.emplace(constants, std::move(*make_kernel(compiler::Kernel::leaders, pixel_io, sizeof(gpu::PixelsParams), constants)));
   follow.emplace(constants, make_pipeline(follow_comp, pixel_io, sizeof(gpu::PixelsParams), constants));
 }
 
 /// Clears what the frame does not keep, and makes its images ready to be written.
-void Evaluator::Impl::prepare_images(const vk::raii::CommandBuffer& commands, bool kept, bool clears, const Course& course) {
-  const bool as_bytes = frame->wanted.colors == Colors::bytes;
+void Evaluator::Impl::prepare_images(const vk::raii::CommandBuffer& commands, bool kept, bool clears, const Strategy& strategy) {
+  const bool as_bytes = frame->outputs.colors == Colors::bytes;
   const gpu::PixelListHeader nothing{{{0, 1, 1}, {0, 1, 1}, {0, 1, 1}, {0, 1, 1}}, {0, 0, 0, 0}, 0, 0, 0, 0};
   commands.updateBuffer<gpu::PixelListHeader>(*frame->list.buffer, 0, nothing);
   commands.pipelineBarrier(Stage::eTransfer, Stage::eComputeShader | Stage::eTransfer, {}, nullptr, nullptr,
                            {begin_writing(frame->color, kept && !as_bytes), begin_writing(frame->bytes, kept && as_bytes),
-                            begin_writing(frame->region, kept && frame->wanted.regions),
+                            begin_writing(frame->region, kept && frame->outputs.regions),
                             begin_writing(frame->leader_place, false), begin_writing(frame->leader_color, false),
                             begin_writing(frame->leader_region, false)});
   if (!stages.empty()) commands.fillBuffer(*frame->queues.buffer, 0, sizeof(gpu::QueueHeader), 0);
   const vk::ClearColorValue empty{}, unknown{std::array{0.0f, 0.0f, 0.0f, -1.0f}};
   if (clears) {  // what is not evaluated is empty
     commands.clearColorImage(as_bytes ? *frame->bytes.image : *frame->color.image, Layout::eGeneral, empty, color_range);
-    if (frame->wanted.regions) commands.clearColorImage(*frame->region.image, Layout::eGeneral, empty, color_range);
+    if (frame->outputs.regions) commands.clearColorImage(*frame->region.image, Layout::eGeneral, empty, color_range);
   }
-  if (course.leads) commands.clearColorImage(*frame->leader_place.image, Layout::eGeneral, unknown, color_range);
+  if (strategy.leads) commands.clearColorImage(*frame->leader_place.image, Layout::eGeneral, unknown, color_range);
   const vk::MemoryBarrier cleared{.srcAccessMask = Access::eTransferWrite,
                                   .dstAccessMask = Access::eShaderRead | Access::eShaderWrite};
   commands.pipelineBarrier(Stage::eTransfer, Stage::eComputeShader, {}, cleared, nullptr, nullptr);
@@ -356,7 +356,7 @@ namespace {
 /// Kernels over a tile's pixels, or over lists of them.
 class TileKernels {
  public:
-  TileKernels(const vk::raii::CommandBuffer& commands, const Frame& frame, const vk::raii::DescriptorSet& scene_set,
+  TileKernels(const vk::raii::CommandBuffer& commands, const FrameImages& frame, const vk::raii::DescriptorSet& scene_set,
               const gpu::PixelsParams& params)
       : commands_(commands), frame_(frame), scene_set_(scene_set), params_(params) {}
 
@@ -413,7 +413,7 @@ class TileKernels {
   }
 
   const vk::raii::CommandBuffer& commands_;
-  const Frame& frame_;
+  const FrameImages& frame_;
   const vk::raii::DescriptorSet& scene_set_;
   gpu::PixelsParams params_;
 };
@@ -423,86 +423,86 @@ class TileKernels {
 /// Lists the pixels that show a surface and that no verdict answers, and evaluates those; or all. With leaders, those first,
 /// and of the others whom they do not answer for.
 void Evaluator::Impl::evaluate_tile(const vk::raii::CommandBuffer& commands, const gpu::PixelsParams& params,
-                                    const FramePasses& passes, const Course& course) {
+                                    const FramePasses& passes, const Strategy& strategy) {
   const bool kept = params.keeps_still != 0;
-  prepare_images(commands, kept, passes.pixel_list && !kept, course);
+  prepare_images(commands, kept, passes.pixel_list && !kept, strategy);
   TileKernels kernels(commands, *frame, scene_set, params);
-  const auto constants = kernel_constants(frame->wanted, passes);
+  const auto constants = kernel_constants(frame->outputs, passes);
   const std::vector<KernelPipeline>& evaluation = pixels.at(constants);
   if (!passes.pixel_list && stages.empty()) return kernels.run(evaluation.front(), kernels.blocks());
 
-  const Verdicts* proven = course.classifies ? &*verdicts : nullptr;
+  const Verdicts* proven = strategy.classifies ? &*verdicts : nullptr;
   const std::uint32_t runs = kernels.blocks() * DMVV_PIXELS_BLOCK;
   kernels.run(proven != nullptr ? *classify : *list, (runs + DMVV_PIXELS_GROUP_SIZE - 1) / DMVV_PIXELS_GROUP_SIZE, proven);
   kernels.count(*count_groups);
   if (proven != nullptr) kernels.run_over(DMVV_TO_PAINT, paint.at(constants), proven);
-  if (course.leads) {
+  if (strategy.leads) {
     kernels.run_over(DMVV_LEADERS_OF_TILES, leaders.at(constants));
     kernels.wait();
     kernels.run_over(DMVV_TO_EVALUATE, follow.at(constants));
     kernels.count(*count_groups);
   }
-  const std::uint32_t evaluated = course.leads ? DMVV_LEFT : DMVV_TO_EVALUATE;
+  const std::uint32_t evaluated = strategy.leads ? DMVV_LEFT : DMVV_TO_EVALUATE;
   if (stages.empty()) kernels.run_over(evaluated, evaluation.front());
   else kernels.run_stages(evaluated, evaluation, stages, *distribute, *count_stages);
   if (proven == nullptr) return;
   kernels.run_over(evaluated, *count_hits, proven);
-  if (course.leads) kernels.run_over(DMVV_LEADERS_OF_TILES, *count_hits, proven);
+  if (strategy.leads) kernels.run_over(DMVV_LEADERS_OF_TILES, *count_hits, proven);
 }
 
 /// The fastest of those that are possible. The leaders' kernel is made when frames without it have taken as long as it takes
 /// to compile (rent or buy).
-Course Evaluator::Impl::choose_course(const FramePasses& passes) {
+Strategy Evaluator::Impl::choose_strategy(const FramePasses& passes) {
   const bool may_skip = passes.pixel_list && has_drawn && std::abs(now_ms) <= compiler::longest_ms;
   const bool may_classify = may_skip && passes.verdicts && judge;
   const bool may_lead = may_skip && passes.reach && has_leaders() && (drawn_ms >= compile_ms || !passes.trials);
   if (!passes.trials) return {may_classify, may_lead};
-  std::array<bool, Course::count> possible{};
+  std::array<bool, Strategy::count> possible{};
   for (std::size_t i = 0; i < possible.size(); ++i) {
-    const Course course = Course::of_number(i);
-    possible[i] = (may_classify || !course.classifies) && (may_lead || !course.leads);
+    const Strategy strategy = Strategy::of_number(i);
+    possible[i] = (may_classify || !strategy.classifies) && (may_lead || !strategy.leads);
   }
-  return may_skip ? Course::of_number(courses.begin(possible)) : Course{};
+  return may_skip ? Strategy::of_number(autotuner.begin(possible)) : Strategy{};
 }
 
-double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const FramePasses& passes) {
-  gpu::PixelsParams params = shot.pixels;
+double Evaluator::Impl::render_tile(const FrameSetup& setup, const Tile& tile, const FramePasses& passes) {
+  gpu::PixelsParams params = setup.pixels;
   params.width = tile.size_px.x;
   params.height = tile.size_px.y;
-  SurfaceKey surface{shot.raster, shot.slice, rasteriser->mesh_serial(), shot.has_caps, tile};
+  SurfaceKey surface{setup.raster, setup.slice, rasteriser->mesh_serial(), setup.has_caps, tile};
   ShadingKey shading{params, time_values};
   const bool has_surface = frame->surface == surface;
   if (passes.keep_picture && has_surface && frame->shaded == shading) return 0.0;
 
   const bool draws = !(passes.keep_surface && has_surface);
-  const Course course = choose_course(passes);
-  if (course.leads) make_leaders(frame->wanted);
-  params.has_leaders = course.leads;
+  const Strategy strategy = choose_strategy(passes);
+  if (strategy.leads) make_leaders(frame->outputs);
+  params.has_leaders = strategy.leads;
   params.lists_all = passes.pixel_list ? 0 : 1;
-  if (course.classifies) {
-    make_verdicts(frame->wanted);
+  if (strategy.classifies) {
+    make_verdicts(frame->outputs);
     verdicts->begin_frame(now_ms);
     verdicts->fill(params);
     params.keeps_still = passes.keep_still && !draws && frame->shaded && only_time_differs(*frame->shaded, shading);
   }
-  if (shot.slice && frame->slice_surface.bytes == 0) {
+  if (setup.slice && frame->slice_surface.bytes == 0) {
     const vk::DeviceSize bytes = vk::DeviceSize{16} * frame->extent.width * frame->extent.height;
     frame->slice_surface = gpu.make_buffer(bytes, vk::BufferUsageFlagBits::eTransferSrc, MemoryUse::upload);
   }
   frame->surface.reset();  // a failure below must leave no name on what is half done
   frame->shaded.reset();
   const double ms = gpu.run([&](const vk::raii::CommandBuffer& commands) {
-    if (draws && shot.slice) draw_slice(commands, *frame, rasteriser->surface(), shot, tile);
-    if (draws && !shot.slice) rasteriser->draw(commands, shot, tile, passes.clusters);
-    evaluate_tile(commands, params, passes, course);
+    if (draws && setup.slice) draw_slice(commands, *frame, rasteriser->surface(), setup, tile);
+    if (draws && !setup.slice) rasteriser->draw(commands, setup, tile, passes.clusters);
+    evaluate_tile(commands, params, passes, strategy);
     read_back(commands, *frame, rasteriser->surface(), tile);
   });
   frame->surface = std::move(surface);
   frame->shaded = std::move(shading);
   const gpu::PixelListHeader counted = tile_pixels(*frame, tile).counted;
-  const double split_ms = course.classifies ? verdicts->end_frame(evaluated_pixels(counted, course.leads), ms, draws) : 0.0;
+  const double split_ms = strategy.classifies ? verdicts->end_frame(evaluated_pixels(counted, strategy.leads), ms, draws) : 0.0;
   if (has_drawn && passes.pixel_list) {
-    courses.end(course.number(), ms + split_ms);
+    autotuner.end(strategy.number(), ms + split_ms);
     drawn_ms += ms;
   }
   return ms;
@@ -510,11 +510,11 @@ double Evaluator::Impl::render_tile(const Shot& shot, const Tile& tile, const Fr
 
 /// Makes what is missing for this kind of picture, and draws a few pixels, so that the driver compiles it now. They are
 /// drawn into the frame's own images: lavapipe compiles a kernel anew for images whose sides are powers of two.
-Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, const Wanted& wanted,
+Result<void> Evaluator::Impl::warm_up(const FrameSetup& setup, vk::Extent2D extent, const Outputs& outputs,
                                       const FramePasses& passes, Timings* timings) {
-  const bool is_warm = shot.slice || rasteriser->is_ready(shot);
-  const bool has_frame = frame && frame->extent == extent && frame->wanted == wanted;
-  const auto constants = kernel_constants(wanted, passes);
+  const bool is_warm = setup.slice || rasteriser->is_ready(setup);
+  const bool has_frame = frame && frame->extent == extent && frame->outputs == outputs;
+  const auto constants = kernel_constants(outputs, passes);
   const bool has_kernel = pixels.contains(constants);
   if (is_warm && has_frame && has_kernel) return {};
   const Stopwatch watch(timings, "pipeline");
@@ -529,9 +529,9 @@ Result<void> Evaluator::Impl::warm_up(const Shot& shot, vk::Extent2D extent, con
   if (!has_frame) {
     frame.reset();
     rasteriser->set_extent(extent);
-    frame = make_frame(extent, wanted);
+    frame = make_frame(extent, outputs);
   }
-  render_tile(shot, {{0, 0}, glm::min(warm_up_px, shot.size_px)}, passes);
+  render_tile(setup, {{0, 0}, glm::min(warm_up_px, setup.size_px)}, passes);
   if (!has_kernel) compile_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return {};
 }
@@ -544,31 +544,31 @@ Result<Picture> Evaluator::Impl::render(const View& view, Timings* timings) {
     const auto drawn = rasteriser->set_mesh(support_mesh(view));
     if (!drawn) return tl::unexpected(drawn.error());
   }
-  const auto shot = plan_shot(view, rasteriser->bounds(), longest_picture_px);
-  if (!shot) return tl::unexpected(shot.error());
-  const glm::uvec2 tile_px = largest_tile(shot->size_px, view.samples);
+  const auto setup = plan_frame_setup(view, rasteriser->bounds(), longest_picture_px);
+  if (!setup) return tl::unexpected(setup.error());
+  const glm::uvec2 tile_px = largest_tile(setup->size_px, view.samples);
   const vk::Extent2D extent{tile_px.x, tile_px.y};
-  const Wanted wanted{view.samples == 1 ? view.colors : Colors::floats,  // the mean of samples is taken in float
+  const Outputs outputs{view.samples == 1 ? view.colors : Colors::floats,  // the mean of samples is taken in float
                       view.want_regions || view.want_depth, view.want_depth || view.want_positions};
   const FramePasses passes{enabled(view, "pixel-list"), enabled(view, "keep-surface"), enabled(view, "keep-picture"),
                            enabled(view, "verdicts"), enabled(view, "keep-still"), enabled(view, "clusters"),
                            enabled(view, "reach"), enabled(view, "trials")};
-  if (const auto ready = warm_up(*shot, extent, wanted, passes, timings); !ready) return tl::unexpected(ready.error());
+  if (const auto ready = warm_up(*setup, extent, outputs, passes, timings); !ready) return tl::unexpected(ready.error());
 
   const Stopwatch watch(timings, "frame");
   Picture picture = empty_picture(view);
   std::size_t unfinished = 0;
   double gpu_ms = 0.0;
   bool is_complete = true;
-  const auto [lo, hi] = shot->seen;
+  const auto [lo, hi] = setup->seen;
   for (std::uint32_t y = lo.y; y < hi.y; y += extent.height) {
     for (std::uint32_t x = lo.x; x < hi.x; x += extent.width) {
       const Tile tile{{x, y}, glm::min(glm::uvec2(extent.width, extent.height), hi - glm::uvec2(x, y))};
-      gpu_ms += render_tile(*shot, tile, passes);
-      is_complete = is_complete && (shot->slice || rasteriser->is_complete());
+      gpu_ms += render_tile(*setup, tile, passes);
+      is_complete = is_complete && (setup->slice || rasteriser->is_complete());
       const TilePixels result = tile_pixels(*frame, tile);
       unfinished += result.counted.unfinished;
-      resolve_tile(result, tile, *shot, view.samples, picture);
+      resolve_tile(result, tile, *setup, view.samples, picture);
     }
   }
   has_drawn = true;

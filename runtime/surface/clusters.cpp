@@ -138,18 +138,18 @@ struct Place {
   Side beyond_cap;  ///< where the mesh's fragments count for caps (shaders/triangle.glsl)
 };
 
-Place place_of(const Cluster& cluster, const Shot& shot, std::span<const glm::dvec3> sides) {
-  const glm::dvec3 from_eye = cluster.center - shot.eye;
+Place place_of(const Cluster& cluster, const FrameSetup& setup, std::span<const glm::dvec3> sides) {
+  const glm::dvec3 from_eye = cluster.center - setup.eye;
   const double distance = glm::length(from_eye);
   const double margin = rounding * (cluster.radius + distance + glm::length(cluster.center));
   const auto behind = [&](const glm::dvec3& side) { return glm::dot(from_eye, side) < -cluster.radius - margin; };
-  const gpu::RasterParams& raster = shot.raster;
+  const gpu::RasterParams& raster = setup.raster;
   Side left = Side::in, left_by_front = Side::in;
   for (gpu::uint i = 0; i < raster.cut_count; ++i) {
     left = left & side_of(cluster, raster.cuts[i], margin);
     if (i + 1 == raster.front_count) left_by_front = left;
   }
-  return {.in_view = !behind(shot.forward) && std::ranges::none_of(sides, behind),
+  return {.in_view = !behind(setup.forward) && std::ranges::none_of(sides, behind),
           .turned_away = turned_away(cluster, from_eye, distance),
           .left = left,
           .beyond_cap = raster.front_count != 0 ? left_by_front : !left};
@@ -180,16 +180,16 @@ Result<ArrangedMesh> arrange_mesh(const voml::Mesh& mesh) {
   return arranged;
 }
 
-std::vector<DrawCall> plan_draw(std::span<const Cluster> clusters, const Shot& shot, const Tile& tile,
+std::vector<DrawCall> plan_draw(std::span<const Cluster> clusters, const FrameSetup& setup, const Tile& tile,
                                 bool shows_all_backs) {
-  const std::array sides = tile_sides(shot.raster, tile);
+  const std::array sides = tile_sides(setup.raster, tile);
   std::vector<DrawCall> calls;
   for (const Cluster& cluster : clusters) {
-    const Place place = place_of(cluster, shot, sides);
+    const Place place = place_of(cluster, setup, sides);
     const bool shows_backs = shows_all_backs || cluster.has_seen_backs;
     if (!place.in_view) continue;
     const bool is_seen = place.left != Side::out && (shows_backs || !place.turned_away);
-    const bool counts = shot.has_caps && place.beyond_cap != Side::out;
+    const bool counts = setup.has_caps && place.beyond_cap != Side::out;
     if (!is_seen && !counts) continue;
     const bool is_cut = (is_seen && place.left == Side::both) || (counts && place.beyond_cap == Side::both) ||
                         (is_seen && counts && place.left != place.beyond_cap);
@@ -198,11 +198,11 @@ std::vector<DrawCall> plan_draw(std::span<const Cluster> clusters, const Shot& s
   return calls;
 }
 
-std::vector<DrawCall> plan_whole(std::span<const Cluster> clusters, const Shot& shot, bool shows_all_backs) {
-  const bool is_cut = shot.raster.cut_count != 0;
+std::vector<DrawCall> plan_whole(std::span<const Cluster> clusters, const FrameSetup& setup, bool shows_all_backs) {
+  const bool is_cut = setup.raster.cut_count != 0;
   std::vector<DrawCall> calls;
   for (const Cluster& cluster : clusters) {
-    calls.push_back({{true, shot.has_caps, is_cut, shows_all_backs || cluster.has_seen_backs}, cluster.indices});
+    calls.push_back({{true, setup.has_caps, is_cut, shows_all_backs || cluster.has_seen_backs}, cluster.indices});
   }
   return calls;
 }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "runtime/surface/surface.h"
-#include "runtime/view/shot.h"
+#include "runtime/view/frame_setup.h"
 
 namespace dmvv::runtime {
 
@@ -67,10 +67,10 @@ struct DrawCall {
 
 /// What has to be drawn. Left out are the clusters that no pixel of the tile shows: beside the picture, cut away and, unless
 /// all backs are shown, turned away from the eye. Cost: linear in clusters times cuts.
-std::vector<DrawCall> plan_draw(std::span<const Cluster> clusters, const Shot& shot, const Tile& tile,
+std::vector<DrawCall> plan_draw(std::span<const Cluster> clusters, const FrameSetup& setup, const Tile& tile,
                                 bool shows_all_backs);
 
 /// All clusters, and each pixel of them tested.
-std::vector<DrawCall> plan_whole(std::span<const Cluster> clusters, const Shot& shot, bool shows_all_backs);
+std::vector<DrawCall> plan_whole(std::span<const Cluster> clusters, const FrameSetup& setup, bool shows_all_backs);
 
 }  // namespace dmvv::runtime

@@ -159,8 +159,8 @@ Result<void> Rasteriser::set_mesh(const voml::Mesh& mesh, ArrangedMesh arranged)
   return {};
 }
 
-Rasteriser::KernelKind Rasteriser::kernel_kind(const Shot& shot) {
-  return {shot.raster.cut_count <= most_compiled_cuts ? shot.raster.cut_count : any_cuts, shot.has_caps};
+Rasteriser::KernelKind Rasteriser::kernel_kind(const FrameSetup& setup) {
+  return {setup.raster.cut_count <= most_compiled_cuts ? setup.raster.cut_count : any_cuts, setup.has_caps};
 }
 
 vk::raii::Pipeline Rasteriser::make_pipeline(std::span<const std::uint32_t> words, const KernelKind& kind) const {
@@ -186,8 +186,8 @@ Rasteriser::Code Rasteriser::code_for(const DeviceExtras& extras) {
   return {raster_triangles_comp, raster_parts_comp, raster_surface_comp};
 }
 
-const Rasteriser::Pipelines& Rasteriser::pipelines_for(const Shot& shot) {
-  const KernelKind kind = kernel_kind(shot);
+const Rasteriser::Pipelines& Rasteriser::pipelines_for(const FrameSetup& setup) {
+  const KernelKind kind = kernel_kind(setup);
   const auto found = pipelines_.find(kind);
   if (found != pipelines_.end()) return found->second;
   const Code code = code_for(gpu_.extras);
@@ -223,19 +223,19 @@ void Rasteriser::bind() {
   is_bound_ = true;
 }
 
-void Rasteriser::draw(const vk::raii::CommandBuffer& commands, const Shot& shot, const Tile& tile, bool in_clusters) {
-  const auto calls = in_clusters ? plan_draw(clusters_, shot, tile, shot.eye_within) : plan_whole(clusters_, shot, shot.eye_within);
-  gpu::RasterParams params = shot.raster;
+void Rasteriser::draw(const vk::raii::CommandBuffer& commands, const FrameSetup& setup, const Tile& tile, bool in_clusters) {
+  const auto calls = in_clusters ? plan_draw(clusters_, setup, tile, setup.eye_within) : plan_whole(clusters_, setup, setup.eye_within);
+  gpu::RasterParams params = setup.raster;
   params.tile = {tile.corner_px, tile.size_px};
   params.run_count = static_cast<std::uint32_t>(calls.size());
   std::memcpy(params_.mapped, &params, sizeof params);
   write_runs(calls);
   bind();
 
-  const Pipelines& kernels = pipelines_for(shot);
+  const Pipelines& kernels = pipelines_for(setup);
   const vk::DeviceSize pixels = vk::DeviceSize{tile.size_px.x} * tile.size_px.y;
   commands.fillBuffer(*nearest_.buffer, 0, 8 * pixels, 0);
-  if (shot.has_caps) commands.fillBuffer(*shells_.buffer, 0, 4 * pixels, 0);
+  if (setup.has_caps) commands.fillBuffer(*shells_.buffer, 0, 4 * pixels, 0);
   commands.fillBuffer(*parts_.buffer, 0, part_header_bytes, 0);
   commands.pipelineBarrier(Stage::eComputeShader | Stage::eTransfer, Stage::eComputeShader, {},
                            vk::MemoryBarrier{.srcAccessMask = Access::eTransferWrite,

@@ -7,7 +7,7 @@
 #include "runtime/gpu/gpu.h"
 #include "runtime/surface/clusters.h"
 #include "runtime/surface/surface.h"
-#include "runtime/view/shot.h"
+#include "runtime/view/frame_setup.h"
 
 namespace dmvv::runtime {
 
@@ -35,10 +35,10 @@ class Rasteriser {
   const voml::EdgeFaults& edges() const { return edges_; }
 
   /// Whether the kernels for such a view have been made.
-  bool is_ready(const Shot& shot) const { return pipelines_.contains(kernel_kind(shot)); }
+  bool is_ready(const FrameSetup& setup) const { return pipelines_.contains(kernel_kind(setup)); }
   /// Records the drawing of one tile, in clusters or as a whole. Writes what the shaders read: the commands must be done
   /// before the next call.
-  void draw(const vk::raii::CommandBuffer& commands, const Shot& shot, const Tile& tile, bool in_clusters);
+  void draw(const vk::raii::CommandBuffer& commands, const FrameSetup& setup, const Tile& tile, bool in_clusters);
   /// Once the commands are done: whether all of the mesh has been drawn. It has not if large triangles lie over each other
   /// more often than there is room for.
   bool is_complete() const;
@@ -50,7 +50,7 @@ class Rasteriser {
     vk::Bool32 counts;
     friend auto operator<=>(const KernelKind&, const KernelKind&) = default;
   };
-  static KernelKind kernel_kind(const Shot& shot);
+  static KernelKind kernel_kind(const FrameSetup& setup);
   struct Pipelines {
     vk::raii::Pipeline triangles, parts, surface;
   };
@@ -60,7 +60,7 @@ class Rasteriser {
   };
   static Code code_for(const DeviceExtras& extras);
   vk::raii::Pipeline make_pipeline(std::span<const std::uint32_t> words, const KernelKind& kind) const;
-  const Pipelines& pipelines_for(const Shot& shot);
+  const Pipelines& pipelines_for(const FrameSetup& setup);
   void write_runs(std::span<const DrawCall> calls);
   void bind();
   vk::DescriptorType descriptor_type(std::uint32_t binding) const;

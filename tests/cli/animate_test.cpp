@@ -25,7 +25,7 @@
 #include "tests/cli/scenes.h"
 
 using namespace dmvv::cli;
-using namespace dmvv::test;
+using namespace dmvv::tests;
 using nlohmann::json;
 
 namespace {

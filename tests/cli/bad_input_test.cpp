@@ -8,7 +8,7 @@
 #include "tests/cli/program.h"
 #include "tests/cli/scenes.h"
 
-using namespace dmvv::test;
+using namespace dmvv::tests;
 
 namespace {
 

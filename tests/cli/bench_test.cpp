@@ -12,7 +12,7 @@
 #include "tests/cli/program.h"
 #include "tests/cli/scenes.h"
 
-using namespace dmvv::test;
+using namespace dmvv::tests;
 using nlohmann::json;
 
 TEST_CASE("a scene is measured with every setting: table, JSON and plots") {

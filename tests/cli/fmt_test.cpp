@@ -8,7 +8,7 @@
 
 #include "tests/cli/program.h"
 
-using namespace dmvv::test;
+using namespace dmvv::tests;
 
 namespace {
 namespace fs = std::filesystem;

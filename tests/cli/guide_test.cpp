@@ -17,7 +17,7 @@
 #include "voml/assets/image_file.h"
 
 using namespace dmvv;
-using namespace dmvv::test;
+using namespace dmvv::tests;
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include "tests/cli/program.h"
 #include "tests/cli/scenes.h"
 
-using namespace dmvv::test;
+using namespace dmvv::tests;
 
 namespace {
 void check_says(const Run& run, const std::vector<std::string>& parts) {

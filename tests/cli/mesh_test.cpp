@@ -6,7 +6,7 @@
 #include "tests/cli/program.h"
 #include "voml/assets/mesh.h"
 
-using namespace dmvv::test;
+using namespace dmvv::tests;
 
 namespace {
 

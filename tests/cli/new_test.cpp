@@ -3,7 +3,7 @@
 
 #include "tests/cli/program.h"
 
-using namespace dmvv::test;
+using namespace dmvv::tests;
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include "tests/cli/scenes.h"
 #include "tests/support/random.h"
 
-using namespace dmvv::test;
+using namespace dmvv::tests;
 
 namespace {
 constexpr const char* points = "0.4 0 0  # in the inner cube\n\n0.6, -0.1, 1e-3\n1.5 0 0\n";

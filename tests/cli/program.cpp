@@ -12,7 +12,7 @@
 #include <iterator>
 #include <stdexcept>
 
-namespace dmvv::test {
+namespace dmvv::tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -84,4 +84,4 @@ std::vector<std::string> Folder::listing() const {
   return result;
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

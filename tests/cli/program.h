@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 struct Run {
   int exit_code = -1;  ///< -1: ended by a signal
@@ -42,4 +42,4 @@ class Folder {
 
 std::string read_file(const std::string& path);
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

@@ -10,7 +10,7 @@
 #include "tests/cli/program.h"
 #include "tests/cli/scenes.h"
 
-using namespace dmvv::test;
+using namespace dmvv::tests;
 using nlohmann::json;
 
 TEST_CASE("render writes the picture it names, the same bytes each time, without validation messages") {

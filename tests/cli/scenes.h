@@ -8,7 +8,7 @@
 #include "tests/cli/program.h"
 #include "voml/assets/grid.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 /// A cube of half the size embedded in the standard cube: no files. Region numbers: R.CORE 1, R.SHELL 2.
 inline constexpr const char* nested_cubes = R"(<MVV>
@@ -34,4 +34,4 @@ inline std::string sampled(std::uint32_t n, const std::function<double(const glm
   return voml::write_lxn(grid);
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

@@ -13,7 +13,7 @@
 #include "voml/assets/mesh.h"
 
 using namespace dmvv;
-using namespace dmvv::test;
+using namespace dmvv::tests;
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include "tests/cli/program.h"
 #include "tests/cli/scenes.h"
 
-using namespace dmvv::test;
+using namespace dmvv::tests;
 
 namespace {
 bool holds(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }

@@ -41,20 +41,20 @@ struct Fixture {
 
 std::map<std::string, std::string> binary_files() {
   return {
-      {"plane.lxn", test::lxn()},
-      {"magic.lxn", test::lxn_with(0, 0x20504d42)},  // "BMP "
-      {"short.lxn", test::lxn().substr(0, 100)},
-      {"plane_2d.lxn", test::lxn_with(8, 2)},
-      {"two_channels.lxn", test::lxn_with(12, 2)},
-      {"no_size.lxn", test::lxn_with(20, 0)},
-      {"too_long.lxn", test::lxn_with(16, 3)},
-      {"overflow.lxn", test::lxn_with(16, std::numeric_limits<std::int32_t>::max())},
-      {"reversed.lxn", test::lxn_with(64, 1.5f)},
-      {"nan.lxn", test::lxn_with(128 + 4 * 5, std::numeric_limits<float>::quiet_NaN())},
-      {"mode.lxn", test::lxn_with(56, 7)},
-      {"texture.png", test::picture(2, 4)},
-      {"square.png", test::picture(4, 4)},
-      {"cut.png", test::picture(2, 4).substr(0, 40)},
+      {"plane.lxn", tests::lxn()},
+      {"magic.lxn", tests::lxn_with(0, 0x20504d42)},  // "BMP "
+      {"short.lxn", tests::lxn().substr(0, 100)},
+      {"plane_2d.lxn", tests::lxn_with(8, 2)},
+      {"two_channels.lxn", tests::lxn_with(12, 2)},
+      {"no_size.lxn", tests::lxn_with(20, 0)},
+      {"too_long.lxn", tests::lxn_with(16, 3)},
+      {"overflow.lxn", tests::lxn_with(16, std::numeric_limits<std::int32_t>::max())},
+      {"reversed.lxn", tests::lxn_with(64, 1.5f)},
+      {"nan.lxn", tests::lxn_with(128 + 4 * 5, std::numeric_limits<float>::quiet_NaN())},
+      {"mode.lxn", tests::lxn_with(56, 7)},
+      {"texture.png", tests::picture(2, 4)},
+      {"square.png", tests::picture(4, 4)},
+      {"cut.png", tests::picture(2, 4).substr(0, 40)},
       {"noise.png", "this is no picture"},
   };
 }

@@ -88,7 +88,7 @@ TEST_CASE("a preset is embedded by a scene of the examples that imports it") {
   std::set<std::string> used;
   for (const auto& entry : fs::recursive_directory_iterator(DMVV_SOURCE_DIR "/examples")) {
     if (entry.path().extension() != ".voml") continue;
-    const std::string text = test::read_file(entry.path().string());
+    const std::string text = tests::read_file(entry.path().string());
     for (const auto& [path, object] : presets()) {
       if (fs::path(path) == entry.path()) continue;
       const bool imports = std::regex_search(text, std::regex("<IMPORT file=\"[^\"]*\\b" + fs::path(path).filename().string() + "\""));

@@ -10,7 +10,7 @@
 #include "voml/scene.h"
 
 using namespace dmvv;
-using namespace dmvv::test;
+using namespace dmvv::tests;
 namespace fs = std::filesystem;
 
 namespace {

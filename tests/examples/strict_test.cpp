@@ -20,7 +20,7 @@ TEST_CASE("every example is clean under check --strict") {
     const std::string scene = fs::path(DMVV_BINARY_DIR "/examples") / name / (std::string(name) + ".voml");
     CHECK_MESSAGE(std::find(arguments.begin(), arguments.end(), scene) != arguments.end(), scene);
   }
-  const test::Run run = test::run_dmvv(arguments);
+  const tests::Run run = tests::run_dmvv(arguments);
   CHECK_MESSAGE(run.err.empty(), run.err);
   CHECK(run.exit_code == 0);
   CHECK(std::count(run.out.begin(), run.out.end(), '\n') == static_cast<std::ptrdiff_t>(arguments.size()) - 2);

@@ -285,7 +285,7 @@ std::string bitmap_bytes(const Bitmap& bitmap) {
   const int n = static_cast<int>(bitmap.n);
   std::vector<std::uint8_t> pixels(static_cast<std::size_t>(n) * n * n * channels);
   for (auto& byte : pixels) byte = static_cast<std::uint8_t>(random.below(256));
-  return test::picture(n, n * n, channels, pixels);
+  return tests::picture(n, n * n, channels, pixels);
 }
 
 std::string shared_helpers() {

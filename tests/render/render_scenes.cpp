@@ -10,7 +10,7 @@
 #include "tests/cli/scenes.h"
 #include "voml/scene.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 namespace {
 
 double ball(const glm::dvec3& q) { return glm::length(q) - 0.7; }
@@ -136,4 +136,4 @@ std::vector<std::uint8_t> read_rgba8(const std::string& path) {
   return read_picture<std::uint8_t>(path, OIIO::TypeDesc::UINT8, 4);
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

@@ -9,7 +9,7 @@
 #include "runtime/runtime.h"
 #include "tests/cli/program.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 /// With validation layers on; opened once.
 runtime::Device& device();
@@ -29,4 +29,4 @@ std::vector<float> read_depth(const std::string& path);
 /// RGBA of a PNG picture.
 std::vector<std::uint8_t> read_rgba8(const std::string& path);
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

@@ -12,7 +12,7 @@
 #include "tests/support/scenes.h"
 
 using namespace dmvv;
-using namespace dmvv::test;
+using namespace dmvv::tests;
 
 namespace {
 

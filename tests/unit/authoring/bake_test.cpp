@@ -6,7 +6,7 @@
 #include "tests/unit/authoring/scene_fields.h"
 #include "tests/unit/authoring/shapes.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 namespace {
 
@@ -234,4 +234,4 @@ TEST_CASE("an SDF is found by its name: the root's own first, then the only one,
   CHECK(unknown.error().message == "no object that the root reaches decides by an SDF 'G'");
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

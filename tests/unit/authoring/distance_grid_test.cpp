@@ -8,7 +8,7 @@
 
 #include "tests/unit/authoring/shapes.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 namespace {
 
@@ -332,4 +332,4 @@ TEST_CASE("a plate between two layers of samples: refused with a resolution that
   CHECK(make(plate, {.resolution = std::min(enough, 512u), .padding = 0.1}).grid.values.size() > 0);
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

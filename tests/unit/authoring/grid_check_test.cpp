@@ -3,7 +3,7 @@
 #include "tests/unit/authoring/scene_fields.h"
 #include "tests/unit/authoring/shapes.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 namespace {
 
@@ -232,4 +232,4 @@ TEST_CASE("a field so thin that no sample is inside is refused") {
   CHECK(grid.error().message == "no sample of the grid lies inside the SDF, which is thinner than a voxel");
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

@@ -9,7 +9,7 @@
 #include "authoring/field.h"
 #include "compiler/ir/module.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 /// The module of a scene; more files by name.
 inline compiler::Module module_of(const std::string& scene, std::map<std::string, std::string> files = {},
@@ -38,4 +38,4 @@ inline authoring::Field field_of(const compiler::Module& module, double time_ms 
   return authoring::Field(module, *sdf, time_ms, 0.1);
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

@@ -15,7 +15,7 @@
 #include "voml/assets/grid.h"
 #include "voml/assets/mesh.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 using glm::dvec3;
 
@@ -155,4 +155,4 @@ void for_each_sample(const voml::Grid& grid, Visit visit) {
   }
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

@@ -8,7 +8,7 @@
 #include "base/files.h"
 #include "tests/unit/authoring/shapes.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 namespace {
 
@@ -77,4 +77,4 @@ TEST_CASE("the skull's grid agrees with brute force, with the known volume, and 
   CHECK(flipped <= grid.values.size() / 200);
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

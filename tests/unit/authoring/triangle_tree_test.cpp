@@ -6,7 +6,7 @@
 
 #include "tests/unit/authoring/shapes.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 namespace {
 
@@ -173,4 +173,4 @@ TEST_CASE("signed volume") {
   CHECK(TriangleTree(corners_of(inside_out(shape))).signed_volume() == doctest::Approx(-2 * 3 * 4));
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

@@ -4,7 +4,7 @@
 
 #include "tests/unit/mesh/mesh_test.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 namespace {
 
@@ -114,4 +114,4 @@ TEST_CASE("mutated mesh files give a sound mesh or one error") {
   CHECK(refusals > 1000);
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

@@ -2,7 +2,7 @@
 
 #include "tests/unit/mesh/mesh_test.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 namespace {
 
@@ -104,4 +104,4 @@ TEST_CASE("edges' faults: a triangle without area neither opens nor closes anyth
   CHECK(voml::find_edge_faults(cube).count() == 0);
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

@@ -4,7 +4,7 @@
 
 #include "tests/unit/mesh/mesh_test.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 TEST_CASE("OBJ: vertices and faces in all four forms of a corner") {
   const voml::Mesh mesh = mesh_of("a.obj",
@@ -95,4 +95,4 @@ TEST_CASE("OBJ: a large file is read completely and fast") {
   CHECK(mesh.positions.back() == glm::dvec3(28.571429, 28.571429, 816.326531));
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

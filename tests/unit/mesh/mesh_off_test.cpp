@@ -1,6 +1,6 @@
 #include "tests/unit/mesh/mesh_test.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 namespace {
 
@@ -62,4 +62,4 @@ TEST_CASE("OFF: without a triangle there is no mesh") {
   CHECK(info(refusal_of(parsed).code).name == "mesh_without_triangles");
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

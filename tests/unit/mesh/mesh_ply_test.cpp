@@ -1,6 +1,6 @@
 #include "tests/unit/mesh/mesh_test.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 namespace {
 
@@ -183,4 +183,4 @@ TEST_CASE("PLY: a file cut off anywhere is refused") {
   }
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

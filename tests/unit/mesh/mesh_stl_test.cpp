@@ -1,6 +1,6 @@
 #include "tests/unit/mesh/mesh_test.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 namespace {
 
@@ -101,4 +101,4 @@ TEST_CASE("a mesh of no known format is refused") {
   }
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

@@ -12,7 +12,7 @@
 
 #include "voml/assets/mesh.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 struct Parsed {
   std::optional<voml::Mesh> mesh;
@@ -89,4 +89,4 @@ void put(std::string& bytes, T value, std::endian order = std::endian::little) {
 using Positions = std::vector<glm::dvec3>;
 using Triangles = std::vector<glm::uvec3>;
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

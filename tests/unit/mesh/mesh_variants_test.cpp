@@ -2,7 +2,7 @@
 // triangle strips. Each gives the mesh that the plain file gives.
 #include "tests/unit/mesh/mesh_test.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 namespace {
 
@@ -206,4 +206,4 @@ TEST_CASE("a comma in a number: the message says how it is written") {
         "expected a coordinate, a number, found '0,5'; decimal numbers have a point: write 0.5");
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

@@ -10,7 +10,7 @@
 #include "kernels/probe_points.h"
 #include "shaders/records.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 std::string text_of(const Error& error) {
   std::string text = error.message;
@@ -189,4 +189,4 @@ const std::filesystem::path& scratch() {
   return folder;
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

@@ -14,7 +14,7 @@
 #include "runtime/view/view.h"
 #include "voml/assets/mesh.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 /// What an error says, for assertions that fail.
 std::string text_of(const Error& error);
@@ -69,4 +69,4 @@ std::optional<Hit> cast(const runtime::View& view, const voml::Mesh& mesh, doubl
 /// A folder for this run's files, empty at its start.
 const std::filesystem::path& scratch();
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

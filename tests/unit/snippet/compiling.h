@@ -13,7 +13,7 @@
 #include "compiler/snippet/snippet.h"
 #include "voml/scene.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 using compiler::snippet::compile_snippet;
 using compiler::snippet::Snippet;
@@ -103,4 +103,4 @@ inline double value_of(const std::string& body, glm::dvec3 p = {0.25, -0.5, 0.75
   return snippet_of(body, functions).evaluate(p, 0.0).f;
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

@@ -12,7 +12,7 @@
 
 #include "compiler/snippet/snippet.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 using compiler::snippet::Snippet;
 
@@ -55,4 +55,4 @@ inline const std::vector<Entry>& corpus() {
   return entries;
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

@@ -13,7 +13,7 @@
 #include "runtime/runtime.h"
 
 using namespace dmvv;
-using namespace dmvv::test;
+using namespace dmvv::tests;
 using namespace dmvv::compiler::snippet;
 
 namespace {
@@ -33,7 +33,7 @@ void set_time(compiler::Program& program, const Snippet& snippet, double t_ms) {
 /// Emits and reads back until glslang finds no constants to fold any more.
 Snippet fold(Snippet snippet) {
   for (;;) {
-    Snippet next = test::snippet(read_back(snippet, 0.0));
+    Snippet next = tests::snippet(read_back(snippet, 0.0));
     if (next.instruction_count() >= snippet.instruction_count()) return next;
     snippet = next;
   }
@@ -116,8 +116,8 @@ TEST_CASE("corpus: the emitted GLSL says the same, in double") {
     CAPTURE(name);
     bool same = true;
     for (const double t : times_ms) {
-      const Snippet again = test::snippet(read_back(snippet, t)), folded = fold(again);
-      const Snippet twice = test::snippet(read_back(folded, 0.0));
+      const Snippet again = tests::snippet(read_back(snippet, t)), folded = fold(again);
+      const Snippet twice = tests::snippet(read_back(folded, 0.0));
       CHECK_FALSE(again.uses_time());
       for (const glm::dvec3& p : points_of_cube(60)) {
         const double expected = snippet.evaluate(p, t).f, got = again.evaluate(p, t).f;

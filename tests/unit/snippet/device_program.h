@@ -10,7 +10,7 @@
 #include "compiler/snippet/snippet.h"
 #include "shaders/records.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 using compiler::snippet::Snippet;
 
@@ -48,4 +48,4 @@ void main() {{
   return program;
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

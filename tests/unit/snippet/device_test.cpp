@@ -13,7 +13,7 @@
 #include "runtime/runtime.h"
 
 using namespace dmvv;
-using namespace dmvv::test;
+using namespace dmvv::tests;
 using namespace dmvv::compiler::snippet;
 
 namespace {

@@ -8,7 +8,7 @@
 #include "tests/support/scenes.h"
 
 using namespace dmvv;
-using namespace dmvv::test;
+using namespace dmvv::tests;
 using namespace dmvv::compiler::snippet;
 
 namespace {

@@ -16,7 +16,7 @@
 #include "compiler/snippet/read_spirv.h"
 #include "compiler/snippet/snippet.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 using compiler::snippet::Snippet;
 
@@ -72,4 +72,4 @@ inline std::vector<glm::dvec3> points_of_cube(std::size_t count) {
   return points;
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

@@ -6,7 +6,7 @@
 #include "compiling.h"
 
 using namespace dmvv;
-using namespace dmvv::test;
+using namespace dmvv::tests;
 
 namespace {
 

@@ -78,7 +78,7 @@ TEST_CASE("what jumps, or may be infinitely steep, is not known") {
 TEST_CASE("no pair of points differs by more than a bound says, no float32 value is farther off") {
   tests::Random random(11);
   int known = 0;
-  for (const test::Entry& entry : test::corpus()) {
+  for (const tests::Entry& entry : tests::corpus()) {
     CAPTURE(entry.name);
     check_bounds(entry.snippet, cube, random);
     known += entry.snippet.steepness(cube, day).slope < infinity ? 1 : 0;

@@ -11,7 +11,7 @@
 #include "tests/support/random.h"
 
 using namespace dmvv;
-using namespace dmvv::test;
+using namespace dmvv::tests;
 using namespace dmvv::compiler::snippet;
 
 namespace {

@@ -21,12 +21,12 @@ const std::string scene_text = R"(<MVV>
 </MVV>)";
 
 const std::map<std::string, std::string> needed_files = {
-    {"both.lxn", test::lxn()}, {"b.png", test::picture(2, 4)}, {"s.txt", "0 0 0\n"}};
+    {"both.lxn", tests::lxn()}, {"b.png", tests::picture(2, 4)}, {"s.txt", "0 0 0\n"}};
 
 }  // namespace
 
 TEST_CASE("only what the root can reach is opened, each file once") {
-  const auto reading = test::read_text(scene_text, needed_files);
+  const auto reading = tests::read_text(scene_text, needed_files);
   CHECK(reading.messages == "");
   CHECK(reading.opened == std::map<std::string, int>{{"scene.voml", 1}, {"both.lxn", 1}, {"b.png", 1}, {"s.txt", 1}});
   REQUIRE(reading.scene);
@@ -38,7 +38,7 @@ TEST_CASE("only what the root can reach is opened, each file once") {
 }
 
 TEST_CASE("load_everything opens the rest as well") {
-  const auto reading = test::read_text(scene_text, needed_files, {.root = "", .load_everything = true});
+  const auto reading = tests::read_text(scene_text, needed_files, {.root = "", .load_everything = true});
   CHECK(reading.errors == 5);  // unused.lxn, unused.png, idle.lxn, idle.txt, idle.png
   for (const char* name : {"unused.lxn", "unused.png", "idle.lxn", "idle.txt", "idle.png"}) {
     CAPTURE(name);

@@ -32,7 +32,7 @@ std::vector<std::uint8_t> columns_and_rows(int channels) {
 TEST_CASE("texel (x, y, z) is column x, row y + z n counted from the bottom") {
   for (const char* format : {"png", "tif", "bmp"}) {
     CAPTURE(format);
-    const auto bitmap = parse(test::picture(2, 4, 3, columns_and_rows(3), format), std::string("b.") + format);
+    const auto bitmap = parse(tests::picture(2, 4, 3, columns_and_rows(3), format), std::string("b.") + format);
     REQUIRE(bitmap);
     REQUIRE(bitmap->n == 2);
     REQUIRE(bitmap->texels.size() == 8);
@@ -47,25 +47,25 @@ TEST_CASE("texel (x, y, z) is column x, row y + z n counted from the bottom") {
 }
 
 TEST_CASE("colours are kept as given: alpha is not multiplied in, grey is spread") {
-  const auto rgba = parse(test::picture(2, 4, 4, columns_and_rows(4)), "b.png");
+  const auto rgba = parse(tests::picture(2, 4, 4, columns_and_rows(4)), "b.png");
   REQUIRE(rgba);
   CHECK(rgba->texels[7] == glm::u8vec4(50, 150, 7, 128));
-  const auto grey = parse(test::picture(1, 1, 1, {99}), "b.png");
+  const auto grey = parse(tests::picture(1, 1, 1, {99}), "b.png");
   REQUIRE(grey);
   CHECK(grey->texels[0] == glm::u8vec4(99, 99, 99, 255));
-  const auto grey_alpha = parse(test::picture(1, 1, 2, {99, 40}), "b.png");
+  const auto grey_alpha = parse(tests::picture(1, 1, 2, {99, 40}), "b.png");
   REQUIRE(grey_alpha);
   CHECK(grey_alpha->texels[0] == glm::u8vec4(99, 99, 99, 40));
 }
 
 TEST_CASE("the content tells the format, not the name") {
-  const auto bitmap = parse(test::picture(2, 4, 3, columns_and_rows(3), "png"), "picture.jpg");
+  const auto bitmap = parse(tests::picture(2, 4, 3, columns_and_rows(3), "png"), "picture.jpg");
   REQUIRE(bitmap);
   CHECK(bitmap->texels[7] == glm::u8vec4(50, 150, 7, 255));
 }
 
 TEST_CASE("segments of a JPEG file that say nothing of its pixels do not count") {
-  const std::string whole = test::picture(2, 4, 3, columns_and_rows(3), "jpg");
+  const std::string whole = tests::picture(2, 4, 3, columns_and_rows(3), "jpg");
   const auto plain = parse(whole, "b.jpg");
   REQUIRE(plain);
   // APP13, "Photoshop 3.0" without its zero, and a comment, behind SOI.
@@ -82,10 +82,10 @@ TEST_CASE("segments of a JPEG file that say nothing of its pixels do not count")
 
 TEST_CASE("wrong sizes are refused naming both numbers, oversized ones before they are decoded") {
   std::string messages;
-  CHECK_FALSE(parse(test::picture(4, 4), "b.png", &messages));
+  CHECK_FALSE(parse(tests::picture(4, 4), "b.png", &messages));
   CHECK(messages.find("4 x 4 pixels") != std::string::npos);
   CHECK(messages.find("height 16") != std::string::npos);
-  CHECK_FALSE(parse(test::picture(4, 2), "b.png"));
+  CHECK_FALSE(parse(tests::picture(4, 2), "b.png"));
 
   // A BMP header that promises 1025 x 1025^2 pixels and holds none: 4 GB if anybody believed it.
   std::string bomb("BM\0\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\x01\x04\0\0\x01\x08\x10\0\x01\0\x18\0", 30);
@@ -99,7 +99,7 @@ TEST_CASE("wrong sizes are refused naming both numbers, oversized ones before th
 }
 
 TEST_CASE("broken and foreign files are refused with a reason") {
-  const std::string whole = test::picture(2, 4);
+  const std::string whole = tests::picture(2, 4);
   for (std::size_t length = 0; length < whole.size(); ++length) CHECK_FALSE(parse(whole.substr(0, length), "b.png"));
   std::string messages;
   std::string damaged = whole;

@@ -5,9 +5,9 @@
 
 using namespace dmvv;
 using namespace dmvv::voml;
-using test::read;
-using test::read_text;
-using test::scene_of;
+using tests::read;
+using tests::read_text;
+using tests::scene_of;
 
 namespace {
 

@@ -24,9 +24,9 @@ std::string chain_of_objects(std::size_t count, bool closed) {
 }  // namespace
 
 TEST_CASE("a chain of 10^5 embeddings is read without recursion") {
-  const auto open = test::read_text(chain_of_objects(100000, false), {}, {.root = "O0"});
+  const auto open = tests::read_text(chain_of_objects(100000, false), {}, {.root = "O0"});
   CHECK(open.messages == "");
-  const auto closed = test::read_text(chain_of_objects(100000, true));
+  const auto closed = tests::read_text(chain_of_objects(100000, true));
   CHECK(closed.errors == 1);
   CHECK(closed.messages.find("error[E0110]: the object 'O0' embeds itself: O0 -> O1 -> ") != std::string::npos);
   CHECK(closed.messages.find("-> O99999 -> O0\n") != std::string::npos);
@@ -41,7 +41,7 @@ TEST_CASE("a tree as deep as elements may be nested is read without recursion") 
     before += "<SDF name='S'><POSITIVE region='R'/><NEGATIVE>";
     after += "</NEGATIVE></SDF>";
   }
-  const Scene scene = test::scene_of(
+  const Scene scene = tests::scene_of(
       "<MVV><OBJECT name='A'><SDF name='S' file='plane.lxn'/><REGION name='R' type='empty'/>"
       "<MAPPINGS>" +
       before + tree + after + "</MAPPINGS></OBJECT></MVV>");
@@ -58,8 +58,8 @@ TEST_CASE("a chain of imports is read without recursion, up to a limit") {
     }
     return files;
   };
-  CHECK(test::read(chain(3000)).messages == "");
-  const auto refused = test::read(chain(4098));
+  CHECK(tests::read(chain(3000)).messages == "");
+  const auto refused = tests::read(chain(4098));
   CHECK(refused.errors == 1);
   CHECK(refused.messages.find("4095.voml:1:20: error[E0005]: the scene has more than 4096 files up to here") !=
         std::string::npos);
@@ -71,7 +71,7 @@ TEST_CASE("a hundred thousand faults cost no more than a hundred") {
   text += "</REGION></OBJECT>";
   for (int i = 0; i < 10000; ++i)
     text += fmt::format("<OBJECT name='LAST{}'><REGION name='R' type='empty'/></OBJECT>", i);
-  const auto reading = test::read_text(text + "</MVV>");
+  const auto reading = tests::read_text(text + "</MVV>");
   CHECK(reading.errors == 100000);
   CHECK(reading.messages.ends_with("100000 errors; the first 100 are shown\n"));
 }
@@ -82,11 +82,11 @@ TEST_CASE("seed files full of faults or of huge numbers") {
       "<OBJECT name='A'><REGION name='R' type='empty'><EMBEDDED name='B' seedFile='s.txt'/></REGION></OBJECT></MVV>";
   std::string lines;
   for (int i = 0; i < 100000; ++i) lines += "x\n";
-  CHECK(test::read_text(scene, {{"s.txt", lines}}).errors == 100);  // reading stops there
-  CHECK(test::read_text(scene, {{"s.txt", "1e400 0 0"}}).errors == 1);
-  CHECK(test::read_text(scene, {{"s.txt", "3e38 0 0"}}).errors == 1);  // 2 * 3e38 leaves float32
-  CHECK(test::read_text(scene, {{"s.txt", "1e38 0 0"}}).errors == 0);
-  CHECK(test::read_text(scene, {{"s.txt", std::string(1 << 20, '7')}}).errors == 1);
+  CHECK(tests::read_text(scene, {{"s.txt", lines}}).errors == 100);  // reading stops there
+  CHECK(tests::read_text(scene, {{"s.txt", "1e400 0 0"}}).errors == 1);
+  CHECK(tests::read_text(scene, {{"s.txt", "3e38 0 0"}}).errors == 1);  // 2 * 3e38 leaves float32
+  CHECK(tests::read_text(scene, {{"s.txt", "1e38 0 0"}}).errors == 0);
+  CHECK(tests::read_text(scene, {{"s.txt", std::string(1 << 20, '7')}}).errors == 1);
 }
 
 TEST_CASE("scenes with random damage never crash and never pass in silence with an unfinished scene") {
@@ -100,11 +100,11 @@ TEST_CASE("scenes with random damage never crash and never pass in silence with 
       "type='empty'/></NEGATIVE></SDF>"
       "</MAPPINGS></OBJECT></MVV>";
   const std::map<std::string, std::string> files = {
-      {"plane.lxn", test::lxn()},
-      {"b.png", test::picture(2, 4)},
+      {"plane.lxn", tests::lxn()},
+      {"b.png", tests::picture(2, 4)},
       {"s.txt", "0 0 0"},
       {"i.voml", "<MVV><OBJECT name='C'><REGION name='R' type='empty'/></OBJECT></MVV>"}};
-  REQUIRE(test::read_text(whole, files).messages == "");
+  REQUIRE(tests::read_text(whole, files).messages == "");
   std::mt19937 random(1);
   for (int round = 0; round < 3000; ++round) {
     std::string text = whole;
@@ -115,7 +115,7 @@ TEST_CASE("scenes with random damage never crash and never pass in silence with 
       text.replace(from, length, random() % 3 == 0 ? std::string(1, static_cast<char>(random())) : piece);
       if (text.empty()) text.push_back('<');
     }
-    const auto reading = test::read_text(text, files);
+    const auto reading = tests::read_text(text, files);
     if (!reading.scene) continue;
     for (const Object& object : reading.scene->objects) REQUIRE(object.root.valid());
     for (const Node& node : reading.scene->nodes) {

@@ -83,7 +83,7 @@ TEST_CASE("what is written is read back the same") {
 }
 
 TEST_CASE("without a box the grid fills the cube") {
-  const auto grid = parse(test::lxn_with(60, 0));
+  const auto grid = parse(tests::lxn_with(60, 0));
   REQUIRE(grid);
   CHECK(grid->box_lo == glm::dvec3(-1.0));
   CHECK(grid->box_hi == glm::dvec3(1.0));
@@ -92,7 +92,7 @@ TEST_CASE("without a box the grid fills the cube") {
 TEST_CASE("any channel type is read without complaint") {
   for (const std::int32_t type : {0, 1, 8, -5}) {
     std::string messages;
-    const auto grid = parse(test::lxn_with(4, type), &messages);
+    const auto grid = parse(tests::lxn_with(4, type), &messages);
     REQUIRE(grid);
     CHECK(grid->channel_type == type);
     CHECK(messages.empty());
@@ -103,20 +103,20 @@ TEST_CASE("headers that lie are refused before anything is allocated; both numbe
   constexpr std::int32_t most = std::numeric_limits<std::int32_t>::max();
   CHECK(refusal("").find("E0501") != std::string::npos);
   CHECK(refusal("LXN").find("the magic is 4c 58 4e,") != std::string::npos);
-  CHECK(refusal(test::lxn().substr(0, 127)).find("128 bytes, but the file only 127") != std::string::npos);
-  CHECK(refusal(test::lxn_with(8, 2)).find("dimension is 2, it must be 3") != std::string::npos);
-  CHECK(refusal(test::lxn_with(12, 4)).find("channels is 4, it must be 1") != std::string::npos);
-  CHECK(refusal(test::lxn_with(16, 0)).find("0 x 2 x 2") != std::string::npos);
-  CHECK(refusal(test::lxn_with(24, -1)).find("2 x 2 x -1") != std::string::npos);
-  CHECK(refusal(test::lxn_with(16, 3)).find("3 x 2 x 2 needs 48 bytes after the header, but the file has 32") !=
+  CHECK(refusal(tests::lxn().substr(0, 127)).find("128 bytes, but the file only 127") != std::string::npos);
+  CHECK(refusal(tests::lxn_with(8, 2)).find("dimension is 2, it must be 3") != std::string::npos);
+  CHECK(refusal(tests::lxn_with(12, 4)).find("channels is 4, it must be 1") != std::string::npos);
+  CHECK(refusal(tests::lxn_with(16, 0)).find("0 x 2 x 2") != std::string::npos);
+  CHECK(refusal(tests::lxn_with(24, -1)).find("2 x 2 x -1") != std::string::npos);
+  CHECK(refusal(tests::lxn_with(16, 3)).find("3 x 2 x 2 needs 48 bytes after the header, but the file has 32") !=
         std::string::npos);
-  CHECK(refusal(test::lxn() + "x").find("needs 32 bytes after the header, but the file has 33") != std::string::npos);
-  CHECK(refusal(test::lxn() + "1234").find("but the file has 36") != std::string::npos);
-  CHECK(refusal(test::lxn_with(60, 2)).find("flag is 2, it must be 0 or 1") != std::string::npos);
-  std::string huge = test::lxn();
+  CHECK(refusal(tests::lxn() + "x").find("needs 32 bytes after the header, but the file has 33") != std::string::npos);
+  CHECK(refusal(tests::lxn() + "1234").find("but the file has 36") != std::string::npos);
+  CHECK(refusal(tests::lxn_with(60, 2)).find("flag is 2, it must be 0 or 1") != std::string::npos);
+  std::string huge = tests::lxn();
   for (const std::size_t at : {16u, 20u, 24u}) put(huge, at, most);  // the product overflows 64 bits
   CHECK(refusal(huge).find("2147483647 x 2147483647 x 2147483647") != std::string::npos);
-  std::string wrapped = test::lxn();  // 2^31 * 2^31 * 4 = 2^64, which is 0 in 64 bits
+  std::string wrapped = tests::lxn();  // 2^31 * 2^31 * 4 = 2^64, which is 0 in 64 bits
   put(wrapped, 16, 1 << 30), put(wrapped, 20, 1 << 30), put(wrapped, 24, 16);
   CHECK(refusal(wrapped).find("E0502") != std::string::npos);
 }
@@ -124,17 +124,17 @@ TEST_CASE("headers that lie are refused before anything is allocated; both numbe
 TEST_CASE("boxes that are empty, reversed or not finite and values that are not finite are refused") {
   constexpr float infinity = std::numeric_limits<float>::infinity();
   constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-  CHECK(refusal(test::lxn_with(64, 1.0f)).find("empty or reversed along x: it goes from 1 to 1") != std::string::npos);
-  CHECK(refusal(test::lxn_with(72, 2.0f)).find("along z: it goes from 2 to 1") != std::string::npos);
-  CHECK(refusal(test::lxn_with(80, infinity)).find("not finite along y") != std::string::npos);
-  CHECK(refusal(test::lxn_with(64, nan)).find("not finite along x") != std::string::npos);
+  CHECK(refusal(tests::lxn_with(64, 1.0f)).find("empty or reversed along x: it goes from 1 to 1") != std::string::npos);
+  CHECK(refusal(tests::lxn_with(72, 2.0f)).find("along z: it goes from 2 to 1") != std::string::npos);
+  CHECK(refusal(tests::lxn_with(80, infinity)).find("not finite along y") != std::string::npos);
+  CHECK(refusal(tests::lxn_with(64, nan)).find("not finite along x") != std::string::npos);
   // Corners stand at 2 b - 1: next to -1, float32 steps by 2^-24, and twice 3e38 is beyond it.
   const auto box_x = [](float lo, float hi) {
-    return test::lxn_with(64, lo).substr(0, 76) + test::lxn_with(76, hi).substr(76);
+    return tests::lxn_with(64, lo).substr(0, 76) + tests::lxn_with(76, hi).substr(76);
   };
   CHECK(refusal(box_x(1e-30f, 2e-30f)).find("thinner than float32 can tell along x") != std::string::npos);
   CHECK(parse(box_x(0.0f, 0x1p-25f)).has_value());
   CHECK(refusal(box_x(0.0f, 3e38f)).find("beyond the range of float32 along x") != std::string::npos);
-  CHECK(refusal(test::lxn_with(128 + 4 * 6, -infinity)).find("value 6 (x 0, y 1, z 1) is -inf") != std::string::npos);
-  CHECK(refusal(test::lxn_with(128, nan)).find("value 0 (x 0, y 0, z 0) is nan") != std::string::npos);
+  CHECK(refusal(tests::lxn_with(128 + 4 * 6, -infinity)).find("value 6 (x 0, y 1, z 1) is -inf") != std::string::npos);
+  CHECK(refusal(tests::lxn_with(128, nan)).find("value 0 (x 0, y 0, z 0) is nan") != std::string::npos);
 }

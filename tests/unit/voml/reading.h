@@ -9,7 +9,7 @@
 #include "tests/unit/voml/test_files.h"
 #include "voml/scene.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 /// What reading a scene gave. `opened` counts how often each file was opened.
 struct Reading {
@@ -52,4 +52,4 @@ inline voml::Scene scene_of(const std::string& text, std::map<std::string, std::
   return std::move(*reading.scene);
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

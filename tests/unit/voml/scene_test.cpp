@@ -3,9 +3,9 @@
 
 using namespace dmvv;
 using namespace dmvv::voml;
-using test::read;
-using test::read_text;
-using test::scene_of;
+using tests::read;
+using tests::read_text;
+using tests::scene_of;
 
 namespace {
 
@@ -74,7 +74,7 @@ TEST_CASE("imports are read where they stand, once, relative to the file that im
       {"dir/lib/a.voml", "<MVV><IMPORT file='leaf.voml'/><OBJECT name='A'>" + empty_region + "</OBJECT></MVV>"},
       {"dir/lib/leaf.voml",
        "<MVV><OBJECT name='LEAF'><SDF name='S' file='leaf.lxn'/>" + empty_region + "</OBJECT></MVV>"},
-      {"dir/lib/leaf.lxn", test::lxn()}};
+      {"dir/lib/leaf.lxn", tests::lxn()}};
   const auto reading = read(files, {}, "dir/scene.voml");
   CHECK(reading.messages == "");
   REQUIRE(reading.scene);
@@ -158,7 +158,7 @@ TEST_CASE("attributes of an SDF") {
   CHECK(sdf.offset == -0.5);
   CHECK(sdf.index_size == glm::uvec3(4, 5, 6));
   CHECK(sdf.placement == Placement::single);
-  CHECK(at(scene.grids, std::get<Id<Grid>>(sdf.source)).values == test::plane_grid().values);
+  CHECK(at(scene.grids, std::get<Id<Grid>>(sdf.source)).values == tests::plane_grid().values);
 }
 
 TEST_CASE("a seeding SDF: seeds in file order, rotations and scales beside them or left out") {
@@ -193,7 +193,7 @@ TEST_CASE("regions: colour, bitmap, empty, opacity") {
       object_with("<REGION name='C' type='color' rgb='0.1 0.2 0.3' opacity='0.25'/>"
                   "<REGION name='B' type='bitmap' file='b.png' scale='0.2 0.2 0.2' rotate='1 2 3' translate='4 5 6'/>"
                   "<REGION name='E' type='empty'/><MAPPINGS><REGION name='B'/></MAPPINGS>"),
-      {{"b.png", test::picture(2, 4)}});
+      {{"b.png", tests::picture(2, 4)}});
   REQUIRE(scene.regions.size() == 3);
   CHECK(scene.regions[0].rgb == glm::dvec3(0.1, 0.2, 0.3));
   CHECK(scene.regions[0].opacity == 0.25);
@@ -289,7 +289,7 @@ TEST_CASE("one mistake gives one message") {
   };
   for (const std::string& text : texts) {
     CAPTURE(text);
-    const auto reading = read_text(text, {{"plane.lxn", test::lxn()}}, {.root = "A", .load_everything = true});
+    const auto reading = read_text(text, {{"plane.lxn", tests::lxn()}}, {.root = "A", .load_everything = true});
     CAPTURE(reading.messages);
     CHECK(reading.errors + reading.warnings == 1);
   }

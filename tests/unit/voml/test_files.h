@@ -10,7 +10,7 @@
 
 #include "voml/assets/grid.h"
 
-namespace dmvv::test {
+namespace dmvv::tests {
 
 /// A grid of 2^3 values whose zero set is the plane x = 0.
 inline voml::Grid plane_grid() {
@@ -50,4 +50,4 @@ inline std::string picture(int width, int height) {
   return picture(width, height, 3, std::vector<std::uint8_t>(static_cast<std::size_t>(width * height * 3), 128));
 }
 
-}  // namespace dmvv::test
+}  // namespace dmvv::tests

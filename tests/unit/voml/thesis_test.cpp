@@ -47,20 +47,20 @@ constexpr const char* listing = R"(<MV>
 
 std::map<std::string, std::string> listing_files(std::string text) {
   return {{"scene.voml", std::move(text)},
-          {"sdf/orange_peel.lxn", test::lxn()},
-          {"sdf/empty_region.lxn", test::lxn()},
+          {"sdf/orange_peel.lxn", tests::lxn()},
+          {"sdf/empty_region.lxn", tests::lxn()},
           {"seeds/empty_seeds.txt", "0 0 0\n0.1 0.2 0.3\n"},
           {"seeds/empty_rotates.txt", "0 0 0\n0 90 0\n"},
           {"seeds/empty_scales.txt", "0.1 0.1 0.1\n0.2 0.2 0.2\n"},
-          {"bmp/skin_bg.png", test::picture(2, 4)},
-          {"bmp/inter_section_bg.png", test::picture(2, 4)}};
+          {"bmp/skin_bg.png", tests::picture(2, 4)},
+          {"bmp/inter_section_bg.png", tests::picture(2, 4)}};
 }
 
 }  // namespace
 
 TEST_CASE("listing 3.1 has one error, the region that is never defined, and one warning, its root's spelling") {
   for (const bool everything : {false, true}) {
-    const auto reading = test::read(listing_files(listing), {.root = "", .load_everything = everything});
+    const auto reading = tests::read(listing_files(listing), {.root = "", .load_everything = everything});
     CHECK(reading.messages ==
           "scene.voml:1:2: warning[W0101]: the outermost element is spelt 'MV'; its name is 'MVV'\n"
           "    1 | <MV>\n"
@@ -75,7 +75,7 @@ TEST_CASE("listing 3.1 has one error, the region that is never defined, and one 
 TEST_CASE("listing 3.1 with that name put right is a scene") {
   std::string text = listing;
   text.replace(text.find("R.INTER"), 7, "R.INNER");
-  const auto reading = test::read(listing_files(text));
+  const auto reading = tests::read(listing_files(text));
   CHECK(reading.errors == 0);
   CHECK(reading.warnings == 1);
   REQUIRE(reading.scene);

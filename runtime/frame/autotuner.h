@@ -12,14 +12,14 @@ namespace dmvv::runtime {
 
 /// Ways 0, 1, ... are tried in turn now and then; the fastest is kept for a while, for longer and longer while it stays
 /// the fastest. Pure: times are what it is told.
-class Trials {
+class Autotuner {
  public:
   static constexpr std::uint32_t first_hold = 16, longest_hold = 1024;  ///< frames
   static constexpr std::size_t judged_frames = 3;     ///< of a way in a trial, its last ones
   static constexpr std::size_t learning_frames = 12;  ///< that a way gets in a trial which becomes faster by being used
 
   /// Until the first trial, `start` is the way. `learns` says which ways become faster by being used, if any do.
-  Trials(std::size_t ways, std::size_t start, std::vector<bool> learns = {})
+  Autotuner(std::size_t ways, std::size_t start, std::vector<bool> learns = {})
       : samples_(ways), learns_(std::move(learns)), best_(start) {
     learns_.resize(ways, false);
   }

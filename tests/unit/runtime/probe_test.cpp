@@ -4,7 +4,7 @@
 #include "support.h"
 
 using namespace dmvv;
-using namespace dmvv::test;
+using namespace dmvv::tests;
 
 TEST_CASE("answers of points come back whole and in order") {
   const QuietValidation quiet;

@@ -1,4 +1,4 @@
-// Pictures on a canvas that was prepared for them, for other ones, or not at all: the same to the bit.
+// Pictures on a prepared that was prepared for them, for other ones, or not at all: the same to the bit.
 #include <doctest/doctest.h>
 
 #include <future>
@@ -8,7 +8,7 @@
 #include "tests/support/scenes.h"
 
 using namespace dmvv;
-using namespace dmvv::test;
+using namespace dmvv::tests;
 
 namespace {
 
@@ -35,7 +35,7 @@ const char* const ball =
 
 }  // namespace
 
-TEST_CASE("a prepared canvas changes no picture") {
+TEST_CASE("a prepared prepared changes no picture") {
   const compiler::Program program = tests::compiled(tests::lowered(ball, {}), {});
   auto plain = runtime::Evaluator::create(device(), program).value();
   const runtime::View view = cut_open(0.1);
@@ -48,9 +48,9 @@ TEST_CASE("a prepared canvas changes no picture") {
   larger.cuts.clear();
   slice.slice = runtime::Plane{{0.0, 0.0, 1.0}, 0.1};
   for (const runtime::View& prepared : {view, larger, slice}) {
-    auto canvas = runtime::Canvas::prepare_async(opened(), prepared).get();
-    REQUIRE(canvas);
-    auto evaluator = runtime::Evaluator::create(device(), program, nullptr, std::move(*canvas)).value();
+    auto prepared = runtime::PreparedSurface::prepare_async(opened(), prepared).get();
+    REQUIRE(prepared);
+    auto evaluator = runtime::Evaluator::create(device(), program, nullptr, std::move(*prepared)).value();
     const auto got = evaluator.render(view);
     REQUIRE(got);
     CHECK(got->rgba == expected->rgba);
@@ -60,7 +60,7 @@ TEST_CASE("a prepared canvas changes no picture") {
   CHECK(device().validation_messages().empty());
 }
 
-TEST_CASE("what cannot be drawn is refused by the canvas as by the picture") {
+TEST_CASE("what cannot be drawn is refused by the prepared as by the picture") {
   const compiler::Program program = tests::compiled(tests::lowered(ball, {}), {});
   auto plain = runtime::Evaluator::create(device(), program).value();
   voml::Mesh broken = voml::standard_cube();
@@ -69,17 +69,17 @@ TEST_CASE("what cannot be drawn is refused by the canvas as by the picture") {
   bad_mesh.mesh = &broken;
   bad_camera.camera.look = bad_camera.camera.eye;
   for (const runtime::View& view : {bad_mesh, bad_camera}) {
-    const auto canvas = runtime::Canvas::prepare_async(opened(), view).get();
+    const auto prepared = runtime::PreparedSurface::prepare_async(opened(), view).get();
     const auto picture = plain.render(view);
-    REQUIRE(!canvas);
+    REQUIRE(!prepared);
     REQUIRE(!picture);
-    CHECK(canvas.error().message == picture.error().message);
+    CHECK(prepared.error().message == picture.error().message);
   }
 }
 
-TEST_CASE("a device that cannot be opened leaves no canvas") {
+TEST_CASE("a device that cannot be opened leaves no prepared") {
   const auto opening = runtime::Device::create_async({.name = "no such device"});
-  const auto canvas = runtime::Canvas::prepare_async(opening, cut_open(0.1)).get();
-  REQUIRE(!canvas);
-  CHECK(canvas.error().message == opening.get().error().message);
+  const auto prepared = runtime::PreparedSurface::prepare_async(opening, cut_open(0.1)).get();
+  REQUIRE(!prepared);
+  CHECK(prepared.error().message == opening.get().error().message);
 }

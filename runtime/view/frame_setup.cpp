@@ -1,5 +1,5 @@
 // View -> what the shaders are told.
-#include "runtime/view/shot.h"
+#include "runtime/view/frame_setup.h"
 
 #include <fmt/format.h>
 
@@ -97,23 +97,23 @@ double near_depth(const voml::Bounds& bounds, const glm::dvec3& eye, const gpu::
   return distance > 0.0 ? std::max(0.5 * distance / longest_ray, smallest) : std::max(1e-4 * diagonal, 1e-18);
 }
 
-void plan_perspective(const View& view, const voml::Bounds& bounds, Shot& shot) {
+void plan_perspective(const View& view, const voml::Bounds& bounds, FrameSetup& setup) {
   const Basis basis = view_basis(view.camera);
   const glm::dvec3& eye = view.camera.eye;
   const double tan_y = std::tan(view.camera.fov_deg * std::numbers::pi / 360.0);
-  const double tan_x = tan_y * shot.size_px.x / shot.size_px.y;
+  const double tan_x = tan_y * setup.size_px.x / setup.size_px.y;
   const glm::dvec3 corner = basis.forward - tan_x * basis.right - tan_y * basis.down;
-  const glm::dvec3 step_x = basis.right * (2.0 * tan_x / shot.size_px.x);
-  const glm::dvec3 step_y = basis.down * (2.0 * tan_y / shot.size_px.y);
+  const glm::dvec3 step_x = basis.right * (2.0 * tan_x / setup.size_px.x);
+  const glm::dvec3 step_y = basis.down * (2.0 * tan_y / setup.size_px.y);
 
-  gpu::RasterParams& raster = shot.raster;
+  gpu::RasterParams& raster = setup.raster;
   raster.eye = row(eye);
   raster.forward = row(basis.forward);
   raster.down = row(basis.down / tan_y);
   raster.ray = row(corner);
   raster.ray_x = row(step_x);
   raster.ray_y = row(step_y);
-  raster.picture = gpu::vec4(shot.size_px, 0.0f, 0.0f);
+  raster.picture = gpu::vec4(setup.size_px, 0.0f, 0.0f);
   raster.cut_count = static_cast<gpu::uint>(view.cuts.size());
   for (gpu::uint i = 0; i < raster.cut_count; ++i) {
     const double length = glm::length(view.cuts[i].normal);
@@ -125,15 +125,15 @@ void plan_perspective(const View& view, const voml::Bounds& bounds, Shot& shot) 
   }
   raster.right = row(basis.right / tan_x, near_depth(bounds, eye, raster, glm::length(corner)));
 
-  shot.eye = eye;
-  shot.forward = basis.forward;
+  setup.eye = eye;
+  setup.forward = basis.forward;
   // From where the solid is left whole, sections are seen from within it only.
-  shot.eye_within = raster.front_count == 0 && distance_to_box(eye, bounds) == 0.0;
-  shot.has_caps = raster.cut_count > 0 && (raster.front_count != 0 || shot.eye_within);
+  setup.eye_within = raster.front_count == 0 && distance_to_box(eye, bounds) == 0.0;
+  setup.has_caps = raster.cut_count > 0 && (raster.front_count != 0 || setup.eye_within);
   const glm::dvec3 light = -basis.forward + 0.25 * basis.right - 0.4 * basis.down;
-  shot.pixels.light = row(glm::normalize(light), view.shading == Shading::lit ? 1.0 : 0.0);
-  shot.pixels.bounds_lo = row(bounds.lo);
-  shot.pixels.bounds_hi = row(bounds.hi);
+  setup.pixels.light = row(glm::normalize(light), view.shading == Shading::lit ? 1.0 : 0.0);
+  setup.pixels.bounds_lo = row(bounds.lo);
+  setup.pixels.bounds_hi = row(bounds.hi);
 }
 
 /// Around the projections of the corners of a box. `project` gives pixels, or nothing for a corner beside or behind the eye.
@@ -154,20 +154,20 @@ PixelRange range_of(const voml::Bounds& box, glm::uvec2 size_px, std::uint32_t s
           glm::uvec2(glm::clamp(glm::ceil(hi / n) * n, glm::dvec2(0.0), size))};
 }
 
-PixelRange seen_in_perspective(const Shot& shot, const voml::Bounds& bounds, std::uint32_t samples) {
+PixelRange seen_in_perspective(const FrameSetup& setup, const voml::Bounds& bounds, std::uint32_t samples) {
   const double nearest = 1e-3 * glm::length(bounds.hi - bounds.lo);
-  return range_of(bounds, shot.size_px, samples, [&](const glm::dvec3& p) -> std::optional<glm::dvec2> {
-    const double depth = glm::dot(shot.forward, p - shot.eye);
+  return range_of(bounds, setup.size_px, samples, [&](const glm::dvec3& p) -> std::optional<glm::dvec2> {
+    const double depth = glm::dot(setup.forward, p - setup.eye);
     if (!(depth > nearest)) return std::nullopt;
-    const glm::dvec2 across(glm::dot(glm::dvec3(shot.raster.right), p - shot.eye), glm::dot(glm::dvec3(shot.raster.down), p - shot.eye));
-    return (across / depth * 0.5 + 0.5) * glm::dvec2(shot.size_px);
+    const glm::dvec2 across(glm::dot(glm::dvec3(setup.raster.right), p - setup.eye), glm::dot(glm::dvec3(setup.raster.down), p - setup.eye));
+    return (across / depth * 0.5 + 0.5) * glm::dvec2(setup.size_px);
   });
 }
 
 /// A section of the standard cube lies in its projection onto the plane.
-PixelRange seen_in_slice(const Shot& shot, std::uint32_t samples) {
-  const SliceFrame& slice = *shot.slice;
-  return range_of({glm::dvec3(-1.0), glm::dvec3(1.0)}, shot.size_px, samples, [&](const glm::dvec3& p) -> std::optional<glm::dvec2> {
+PixelRange seen_in_slice(const FrameSetup& setup, std::uint32_t samples) {
+  const SliceFrame& slice = *setup.slice;
+  return range_of({glm::dvec3(-1.0), glm::dvec3(1.0)}, setup.size_px, samples, [&](const glm::dvec3& p) -> std::optional<glm::dvec2> {
     const glm::dvec3 from = p - slice.origin;
     return glm::dvec2(glm::dot(from, slice.step_x), glm::dot(from, slice.step_y)) / glm::dot(slice.step_x, slice.step_x);
   });
@@ -175,21 +175,21 @@ PixelRange seen_in_slice(const Shot& shot, std::uint32_t samples) {
 
 }  // namespace
 
-Result<Shot> plan_shot(const View& view, const voml::Bounds& bounds, std::uint32_t largest_px) {
+Result<FrameSetup> plan_frame_setup(const View& view, const voml::Bounds& bounds, std::uint32_t largest_px) {
   if (auto fault = view_fault(view, largest_px)) return fail(Fault::input, std::move(*fault));
-  Shot shot;
-  shot.size_px = view.size_px * view.samples;
-  shot.pixels.paints_bitmaps = view.steady_colors ? 0 : 1;
+  FrameSetup setup;
+  setup.size_px = view.size_px * view.samples;
+  setup.pixels.paints_bitmaps = view.steady_colors ? 0 : 1;
   if (view.slice) {
-    shot.slice = slice_frame(*view.slice, shot.size_px);
-    shot.pixels.bounds_lo = row(glm::dvec3(-1.0));
-    shot.pixels.bounds_hi = row(glm::dvec3(1.0));
-    shot.seen = seen_in_slice(shot, view.samples);
+    setup.slice = slice_frame(*view.slice, setup.size_px);
+    setup.pixels.bounds_lo = row(glm::dvec3(-1.0));
+    setup.pixels.bounds_hi = row(glm::dvec3(1.0));
+    setup.seen = seen_in_slice(setup, view.samples);
   } else {
-    plan_perspective(view, bounds, shot);
-    shot.seen = seen_in_perspective(shot, bounds, view.samples);
+    plan_perspective(view, bounds, setup);
+    setup.seen = seen_in_perspective(setup, bounds, view.samples);
   }
-  return shot;
+  return setup;
 }
 
 glm::uvec2 largest_tile(glm::uvec2 rendered_px, std::uint32_t samples) {

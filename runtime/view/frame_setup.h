@@ -21,7 +21,7 @@ struct PixelRange {
 
 inline constexpr std::uint32_t longest_picture_px = 16384;
 
-struct Shot {
+struct FrameSetup {
   glm::uvec2 size_px{0};       ///< what is rendered: the picture times the samples
   PixelRange seen;             ///< where anything can show; whole pixels of the picture
   gpu::RasterParams raster{};  ///< unused for slices; its tile is set for each tile
@@ -37,7 +37,7 @@ struct Shot {
 /// Errors (input): no pixel, a side times the samples beyond largest_px, samples not in 1..16, more than DMVV_MAX_CUTS
 /// cuts, a plane without a normal, a camera without a direction, an angle not between 0 and 180 degrees, anything not
 /// finite.
-Result<Shot> plan_shot(const View& view, const voml::Bounds& bounds, std::uint32_t largest_px);
+Result<FrameSetup> plan_frame_setup(const View& view, const voml::Bounds& bounds, std::uint32_t largest_px);
 
 /// The size of the tiles in which a picture is rendered: whole pixels of samples^2 rendered ones each, some 220 MiB of images
 /// and buffers at most.

@@ -8,7 +8,7 @@
 #include "support.h"
 
 using namespace dmvv;
-using namespace dmvv::test;
+using namespace dmvv::tests;
 using runtime::Camera;
 using runtime::Picture;
 using runtime::Plane;

@@ -12,33 +12,33 @@ Result<std::unique_ptr<Rasteriser>> prepare(const std::shared_future<Result<Devi
   const Device::Impl& gpu = device->impl();
   auto rasteriser = std::make_unique<Rasteriser>(gpu);
   if (const auto drawn = rasteriser->set_mesh(support_mesh(view), std::move(*arranged)); !drawn) return tl::unexpected(drawn.error());
-  const auto shot = plan_shot(view, rasteriser->bounds(), longest_picture_px);
-  if (!shot) return tl::unexpected(shot.error());
-  const glm::uvec2 tile_px = largest_tile(shot->size_px, view.samples);
+  const auto setup = plan_frame_setup(view, rasteriser->bounds(), longest_picture_px);
+  if (!setup) return tl::unexpected(setup.error());
+  const glm::uvec2 tile_px = largest_tile(setup->size_px, view.samples);
   rasteriser->set_extent({tile_px.x, tile_px.y});
   const bool in_clusters = true;
   gpu.run([&](const vk::raii::CommandBuffer& commands) {
-    rasteriser->draw(commands, *shot, {{0, 0}, glm::min(warm_up_px, shot->size_px)}, in_clusters);
+    rasteriser->draw(commands, *setup, {{0, 0}, glm::min(warm_up_px, setup->size_px)}, in_clusters);
   });
   return rasteriser;
 }
 
 }  // namespace
 
-Canvas::Canvas() = default;
-Canvas::Canvas(Canvas&&) noexcept = default;
-Canvas& Canvas::operator=(Canvas&&) noexcept = default;
-Canvas::~Canvas() = default;
+PreparedSurface::PreparedSurface() = default;
+PreparedSurface::PreparedSurface(PreparedSurface&&) noexcept = default;
+PreparedSurface& PreparedSurface::operator=(PreparedSurface&&) noexcept = default;
+PreparedSurface::~PreparedSurface() = default;
 
-std::future<Result<Canvas>> Canvas::prepare_async(std::shared_future<Result<Device>> opening, const View& view) {
+std::future<Result<PreparedSurface>> PreparedSurface::prepare_async(std::shared_future<Result<Device>> opening, const View& view) {
   return std::async(std::launch::async, [opening = std::move(opening), view] {
-    return guarded("preparing the surface", [&]() -> Result<Canvas> {
-      Canvas canvas;
-      if (view.slice) return canvas;
+    return guarded("preparing the surface", [&]() -> Result<PreparedSurface> {
+      PreparedSurface prepared;
+      if (view.slice) return prepared;
       auto rasteriser = prepare(opening, view);
       if (!rasteriser) return tl::unexpected(std::move(rasteriser.error()));
-      canvas.rasteriser_ = std::move(*rasteriser);
-      return canvas;
+      prepared.rasteriser_ = std::move(*rasteriser);
+      return prepared;
     });
   });
 }

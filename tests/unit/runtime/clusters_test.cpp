@@ -8,7 +8,7 @@
 #include "support.h"
 
 using namespace dmvv;
-using namespace dmvv::test;
+using namespace dmvv::tests;
 using runtime::Cluster;
 using runtime::DrawCall;
 using runtime::Surface;
@@ -62,8 +62,8 @@ runtime::View view_from(const glm::dvec3& eye, const glm::dvec3& look, std::vect
 }
 
 std::vector<DrawCall> plan(const Clustered& of, const runtime::View& view, bool shows_all_backs = false) {
-  const auto shot = must(runtime::plan_shot(view, of.surface.bounds, 16384));
-  return runtime::plan_draw(of.clusters, shot, {{0, 0}, shot.size_px}, shows_all_backs);
+  const auto setup = must(runtime::plan_frame_setup(view, of.surface.bounds, 16384));
+  return runtime::plan_draw(of.clusters, setup, {{0, 0}, setup.size_px}, shows_all_backs);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include "support.h"
 
 using namespace dmvv;
-using namespace dmvv::test;
+using namespace dmvv::tests;
 using namespace dmvv::runtime;
 
 namespace {

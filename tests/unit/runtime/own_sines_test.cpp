@@ -9,7 +9,7 @@
 #include "support.h"
 
 using namespace dmvv;
-using namespace dmvv::test;
+using namespace dmvv::tests;
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include "support.h"
 
 using namespace dmvv;
-using namespace dmvv::test;
+using namespace dmvv::tests;
 
 TEST_CASE("the cube keeps its flat faces") {
   const auto surface = must(runtime::make_surface(voml::standard_cube()));

@@ -9,7 +9,7 @@
 #include "support.h"
 
 using namespace dmvv;
-using namespace dmvv::test;
+using namespace dmvv::tests;
 using runtime::Device;
 
 TEST_CASE("devices are listed best first, and found by a part of the name in any case") {
@@ -45,7 +45,7 @@ TEST_CASE("an unknown device lists those there are") {
 }
 
 TEST_CASE("a program that exceeds the device is refused with both numbers") {
-  compiler::Program program = test::program(Show::position);
+  compiler::Program program = tests::program(Show::position);
   const std::uint32_t limit = device().info().max_extent_3d;
   program.textures[0].extent = {limit + 1, 1, 1};
   program.textures[0].texels.resize(4 * (std::size_t{limit} + 1));
@@ -55,7 +55,7 @@ TEST_CASE("a program that exceeds the device is refused with both numbers") {
   CHECK(refused.error().message.find(fmt::format("'distance' is {} texels long", limit + 1)) != std::string::npos);
   CHECK(refused.error().message.find(fmt::format("allows {} ", limit)) != std::string::npos);
 
-  program = test::program(Show::position);
+  program = tests::program(Show::position);
   const std::uint64_t largest = device().info().max_storage_buffer;
   if (largest <= std::uint64_t{1} << 30) {  // memory for the proof; other devices allow 4 GiB
     program.buffers[0].bytes.resize(largest + 16);
