@@ -7,7 +7,7 @@ set(DMVV_PUBLIC_HEADERS
   compiler/ir/affine.h compiler/spirv/code_cache.h compiler/compile.h compiler/plan/cost_model.h compiler/reference/explanation.h compiler/inventory.h compiler/reference/lint.h
   compiler/ir/module.h compiler/glsl/kernel.h compiler/grids/sample.h compiler/grids/storage.h compiler/ir/legend.h compiler/layout/record_access.h compiler/layout/resources.h
   compiler/passes/seed_chains.h compiler/plan/codegen.h compiler/snippet/time_function.h compiler/program.h compiler/reference/reference.h compiler/snippet/snippet.h compiler/plan/stage_options.h compiler/layout/tape_options.h
-  runtime/gpu/disk_cache.h runtime/runtime.h runtime/gpu/device.h runtime/view/frame_passes.h runtime/view/picture.h runtime/view/view.h
+  runtime/gpu/disk_cache.h runtime/runtime.h runtime/gpu/device.h runtime/surface/prepared_surface.h runtime/view/frame_passes.h runtime/view/picture.h runtime/view/view.h
   shaders/records.h
   base/diagnostic_codes.def base/diagnostics.h base/files.h voml/format.h voml/assets/grid.h base/id.h voml/assets/mesh.h base/result.h voml/scene.h)
 foreach(header IN LISTS DMVV_PUBLIC_HEADERS)

@@ -14,33 +14,13 @@
 #include "base/result.h"
 #include "compiler/program.h"
 #include "runtime/gpu/device.h"
+#include "runtime/surface/prepared_surface.h"
 #include "runtime/view/frame_passes.h"
 #include "runtime/view/picture.h"
 #include "runtime/view/view.h"
 #include "voml/assets/mesh.h"
 
 namespace dmvv::runtime {
-
-class Rasteriser;
-
-/// What a picture is drawn on, whatever the scene: the support mesh on the device, and the kernels that draw it, compiled. It can
-/// be prepared while a scene is compiled; without it, `Evaluator::render` does the same work.
-class PreparedSurface {
- public:
-  /// For a picture of `view`, in a thread of its own, which waits for the device; slices need nothing. Until it is ready
-  /// nothing else may run on the device, and the mesh must stay. Errors: those of the device, and those of
-  /// `Evaluator::render` that come from the view.
-  static std::future<Result<PreparedSurface>> prepare_async(std::shared_future<Result<Device>> opening, const View& view);
-
-  PreparedSurface();
-  PreparedSurface(PreparedSurface&&) noexcept;
-  PreparedSurface& operator=(PreparedSurface&&) noexcept;
-  ~PreparedSurface();
-
- private:
-  friend class Evaluator;
-  std::unique_ptr<Rasteriser> rasteriser_;
-};
 
 /// A program on a device: its buffers and textures uploaded, its pipelines made when first needed.
 class Evaluator {
@@ -62,6 +42,10 @@ class Evaluator {
   /// than 64 cuts, a broken mesh or camera), pixels for which the device ran out of loop rounds; else environment.
   /// Memory: some 220 MiB on the device at most, whatever the size; the picture itself on the host.
   Result<Picture> render(const View& view, Timings* timings = nullptr);
+
+  /// What `render` would do for this view now, as text: tiles, steps in their order, what each reads and writes. Nothing is
+  /// drawn, and later frames do not depend on it. Errors: those of `render` that come from the view.
+  Result<std::string> plan(const View& view);
 
   struct Impl;
   explicit Evaluator(std::unique_ptr<Impl> impl);

@@ -27,8 +27,8 @@ class Autotuner {
   /// The way of the next frame, among those that are possible.
   std::size_t begin(std::span<const bool> possible) {
     if (!trying_ && hold_ == 0) start_trial();
-    while (trying_ && !possible[*next_]) advance();
-    if (trying_) return *next_;
+    while (trying_ && !possible[order_[next_]]) advance();
+    if (trying_) return order_[next_];
     if (hold_ > 0) --hold_;
     return possible[best_] ? best_ : 0;
   }
@@ -54,13 +54,13 @@ class Autotuner {
     for (std::size_t way = 0; way < samples_.size(); ++way) {
       if (way != best_) order_.push_back(way);
     }
-    next_ = order_.begin();
+    next_ = 0;
     least_ = unknown;
     trying_ = true;
   }
 
   void advance() {
-    if (++next_ != order_.end()) return;
+    if (++next_ != order_.size()) return;
     trying_ = false;
     std::size_t fastest = best_;
     expected_ms_ = unknown;
@@ -96,7 +96,7 @@ class Autotuner {
   std::vector<std::vector<double>> samples_;  ///< milliseconds, of this trial
   std::vector<bool> learns_;                  ///< of each way
   std::vector<std::size_t> order_;            ///< of this trial: the best one first
-  std::vector<std::size_t>::iterator next_;
+  std::size_t next_ = 0;                      ///< place in order_
   std::size_t best_;
   bool trying_ = false;
   double least_ = unknown, expected_ms_ = unknown;

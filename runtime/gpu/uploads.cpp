@@ -3,24 +3,68 @@
 #include <cstring>
 
 namespace dmvv::runtime {
+namespace {
 
-GpuBuffer staging_buffer(const Device::Impl& gpu, const void* bytes, std::size_t size) {
-  GpuBuffer staging = gpu.make_buffer(size, vk::BufferUsageFlagBits::eTransferSrc, MemoryUse::upload);
-  std::memcpy(staging.mapped, bytes, size);
+using Access = vk::AccessFlagBits;
+using Layout = vk::ImageLayout;
+using Stage = vk::PipelineStageFlagBits;
+
+vk::ImageMemoryBarrier layout_change(vk::Image image, Layout from, Layout to, vk::AccessFlags before,
+                                     vk::AccessFlags after) {
+  return {.srcAccessMask = before,
+          .dstAccessMask = after,
+          .oldLayout = from,
+          .newLayout = to,
+          .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+          .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+          .image = image,
+          .subresourceRange = {.aspectMask = vk::ImageAspectFlagBits::eColor, .levelCount = 1, .layerCount = 1}};
+}
+
+}  // namespace
+
+GpuBuffer Uploads::stage(std::span<const std::byte> bytes) {
+  GpuBuffer staging = gpu_.make_buffer(bytes.size(), vk::BufferUsageFlagBits::eTransferSrc, MemoryUse::upload);
+  std::memcpy(staging.mapped, bytes.data(), bytes.size());
   return staging;
 }
 
-GpuBuffer upload_buffer(const Device::Impl& gpu, const void* bytes, std::size_t size, vk::BufferUsageFlags usage) {
-  using Access = vk::AccessFlagBits;
-  using Stage = vk::PipelineStageFlagBits;
-  GpuBuffer made = gpu.make_buffer(size, usage | vk::BufferUsageFlagBits::eTransferDst, MemoryUse::device);
-  const GpuBuffer staging = staging_buffer(gpu, bytes, size);
-  gpu.run([&](const vk::raii::CommandBuffer& commands) {
-    commands.copyBuffer(*staging.buffer, *made.buffer, vk::BufferCopy{0, 0, size});
+GpuBuffer Uploads::add_buffer(std::span<const std::byte> bytes, vk::BufferUsageFlags usage) {
+  GpuBuffer made = gpu_.make_buffer(bytes.size(), usage | vk::BufferUsageFlagBits::eTransferDst, MemoryUse::device);
+  buffers_.push_back({stage(bytes), *made.buffer});
+  return made;
+}
+
+GpuImage Uploads::add_texture(std::span<const std::byte> texels, vk::Format format, vk::Extent3D extent) {
+  GpuImage made = gpu_.make_image(vk::ImageType::e3D, format, extent,
+                                  vk::ImageUsageFlagBits::eSampled | vk::ImageUsageFlagBits::eTransferDst);
+  textures_.push_back({stage(texels), *made.image, extent});
+  return made;
+}
+
+void Uploads::finish() {
+  if (buffers_.empty() && textures_.empty()) return;
+  gpu_.run([&](const vk::raii::CommandBuffer& commands) {
+    for (const BufferCopy& copy : buffers_) {
+      commands.copyBuffer(*copy.staging.buffer, copy.target, vk::BufferCopy{0, 0, copy.staging.bytes});
+    }
+    for (const TextureCopy& copy : textures_) {
+      commands.pipelineBarrier(Stage::eTopOfPipe, Stage::eTransfer, {}, nullptr, nullptr,
+                               layout_change(copy.target, Layout::eUndefined, Layout::eTransferDstOptimal, {},
+                                             Access::eTransferWrite));
+      commands.copyBufferToImage(
+          *copy.staging.buffer, copy.target, Layout::eTransferDstOptimal,
+          vk::BufferImageCopy{.imageSubresource = {.aspectMask = vk::ImageAspectFlagBits::eColor, .layerCount = 1},
+                              .imageExtent = copy.extent});
+      commands.pipelineBarrier(Stage::eTransfer, Stage::eComputeShader, {}, nullptr, nullptr,
+                               layout_change(copy.target, Layout::eTransferDstOptimal, Layout::eShaderReadOnlyOptimal,
+                                             Access::eTransferWrite, Access::eShaderRead));
+    }
     const vk::MemoryBarrier visible{.srcAccessMask = Access::eTransferWrite, .dstAccessMask = Access::eShaderRead};
     commands.pipelineBarrier(Stage::eTransfer, Stage::eComputeShader, {}, visible, nullptr, nullptr);
   });
-  return made;
+  buffers_.clear();
+  textures_.clear();
 }
 
 }  // namespace dmvv::runtime

@@ -1,14 +1,41 @@
 // Inside the runtime only: bytes to the device.
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "runtime/gpu/gpu.h"
 
 namespace dmvv::runtime {
 
-/// A mapped buffer with a copy of these bytes, to be copied from.
-GpuBuffer staging_buffer(const Device::Impl& gpu, const void* bytes, std::size_t size);
+/// Buffers and textures whose contents go to the device in one submission.
+class Uploads {
+ public:
+  explicit Uploads(const Device::Impl& gpu) : gpu_(gpu) {}
 
-/// Copies bytes into a buffer of device memory, by way of a staging buffer.
-GpuBuffer upload_buffer(const Device::Impl& gpu, const void* bytes, std::size_t size, vk::BufferUsageFlags usage);
+  /// A buffer of device memory that will hold these bytes. They are copied at once and need not stay.
+  GpuBuffer add_buffer(std::span<const std::byte> bytes, vk::BufferUsageFlags usage);
+  /// A 3D texture of device memory, likewise; ready to be read by compute shaders once it is there.
+  GpuImage add_texture(std::span<const std::byte> texels, vk::Format format, vk::Extent3D extent);
+
+  /// Submits all copies and waits for them.
+  void finish();
+
+ private:
+  struct BufferCopy {
+    GpuBuffer staging;
+    vk::Buffer target;
+  };
+  struct TextureCopy {
+    GpuBuffer staging;
+    vk::Image target;
+    vk::Extent3D extent;
+  };
+  GpuBuffer stage(std::span<const std::byte> bytes);
+
+  const Device::Impl& gpu_;
+  std::vector<BufferCopy> buffers_;
+  std::vector<TextureCopy> textures_;
+};
 
 }  // namespace dmvv::runtime

@@ -1,4 +1,5 @@
-// What a picture is drawn on, prepared while its scene is compiled.
+#include "runtime/surface/prepared_surface.h"
+
 #include "runtime/surface/raster.h"
 
 namespace dmvv::runtime {
@@ -16,10 +17,7 @@ Result<std::unique_ptr<Rasteriser>> prepare(const std::shared_future<Result<Devi
   if (!setup) return tl::unexpected(setup.error());
   const glm::uvec2 tile_px = largest_tile(setup->size_px, view.samples);
   rasteriser->set_extent({tile_px.x, tile_px.y});
-  const bool in_clusters = true;
-  gpu.run([&](const vk::raii::CommandBuffer& commands) {
-    rasteriser->draw(commands, *setup, {{0, 0}, glm::min(warm_up_px, setup->size_px)}, in_clusters);
-  });
+  rasteriser->rehearse(*setup);
   return rasteriser;
 }
 
@@ -29,6 +27,8 @@ PreparedSurface::PreparedSurface() = default;
 PreparedSurface::PreparedSurface(PreparedSurface&&) noexcept = default;
 PreparedSurface& PreparedSurface::operator=(PreparedSurface&&) noexcept = default;
 PreparedSurface::~PreparedSurface() = default;
+
+std::unique_ptr<Rasteriser> PreparedSurface::take() { return std::move(rasteriser_); }
 
 std::future<Result<PreparedSurface>> PreparedSurface::prepare_async(std::shared_future<Result<Device>> opening, const View& view) {
   return std::async(std::launch::async, [opening = std::move(opening), view] {

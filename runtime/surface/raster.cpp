@@ -14,6 +14,7 @@
 #include <array>
 #include <cstring>
 #include <glm/packing.hpp>
+#include <span>
 #include <utility>
 
 #include "runtime/gpu/pipeline_cache.h"
@@ -117,15 +118,33 @@ Rasteriser::Rasteriser(const Device::Impl& gpu) : gpu_(gpu) {
 
 void Rasteriser::set_extent(vk::Extent2D extent) {
   if (extent == extent_) return;
-  using ImageUsage = vk::ImageUsageFlagBits;
   const vk::DeviceSize pixels = vk::DeviceSize{extent.width} * extent.height;
   extent_ = vk::Extent2D{};
-  is_bound_ = false;
-  surface_ = gpu_.make_image(vk::ImageType::e2D, vk::Format::eR32G32B32A32Uint, {extent.width, extent.height, 1},
-                             ImageUsage::eStorage | ImageUsage::eTransferSrc | ImageUsage::eTransferDst);
+  spare_.reset();
   nearest_ = gpu_.make_buffer(8 * pixels, Usage::eStorageBuffer | Usage::eTransferDst, MemoryUse::device);
   shells_ = gpu_.make_buffer(4 * pixels, Usage::eStorageBuffer | Usage::eTransferDst, MemoryUse::device);
   extent_ = extent;
+}
+
+GpuImage make_surface_image(const Device::Impl& gpu, vk::Extent2D extent) {
+  using ImageUsage = vk::ImageUsageFlagBits;
+  return gpu.make_image(vk::ImageType::e2D, vk::Format::eR32G32B32A32Uint, {extent.width, extent.height, 1},
+                        ImageUsage::eStorage | ImageUsage::eTransferSrc | ImageUsage::eTransferDst);
+}
+
+std::optional<GpuImage> Rasteriser::take_surface(vk::Extent2D extent) {
+  return extent == extent_ ? std::exchange(spare_, std::nullopt) : std::nullopt;
+}
+
+void Rasteriser::rehearse(const FrameSetup& setup) {
+  spare_ = make_surface_image(gpu_, extent_);
+  const Tile corner{{0, 0}, glm::min(warm_up_px, setup.size_px)};
+  const bool in_clusters = true;
+  gpu_.run([&](const vk::raii::CommandBuffer& commands) {
+    commands.pipelineBarrier(Stage::eTopOfPipe, Stage::eComputeShader, {}, nullptr, nullptr,
+                             color_barrier(*spare_, Layout::eUndefined, Layout::eGeneral, {}, Access::eShaderWrite));
+    draw(commands, setup, corner, in_clusters, *spare_);
+  });
 }
 
 Result<void> Rasteriser::set_mesh(const voml::Mesh& mesh) {
@@ -139,19 +158,20 @@ Result<void> Rasteriser::set_mesh(const voml::Mesh& mesh, ArrangedMesh arranged)
   if (auto fault = size_fault(gpu_, surface)) return tl::unexpected(std::move(*fault));
   std::vector<glm::uvec4> vertices(surface.vertices.size());
   std::ranges::transform(surface.vertices, vertices.begin(), vertex_texel);
-  is_bound_ = false;
   mesh_.reset();  // a failure below must not leave the old mesh's name on the new one's buffers
   edges_ = arranged.edges;
   clusters_ = std::move(arranged.clusters);
   const bool as_texels = gpu_.extras.large_texel_buffers;
+  Uploads uploads(gpu_);
   const auto upload = [&](const auto& texels, GpuBuffer& buffer, vk::raii::BufferView& view, vk::Format format) {
     view = nullptr;
-    buffer = upload_buffer(gpu_, texels.data(), texels.size() * sizeof texels[0],
-                           as_texels ? Usage::eStorageTexelBuffer : Usage::eStorageBuffer);
+    buffer = uploads.add_buffer(std::as_bytes(std::span(texels)),
+                                as_texels ? Usage::eStorageTexelBuffer : Usage::eStorageBuffer);
     if (as_texels) view = gpu_.device.createBufferView({.buffer = *buffer.buffer, .format = format, .range = VK_WHOLE_SIZE});
   };
   upload(vertices, vertices_, vertex_texels_, vk::Format::eR32G32B32A32Uint);
   upload(surface.indices, indices_, index_texels_, vk::Format::eR32Uint);
+  uploads.finish();
   runs_ = gpu_.make_buffer(clusters_.size() * sizeof(gpu::TriangleRun), Usage::eStorageBuffer, MemoryUse::upload);
   bounds_ = surface.bounds;
   mesh_ = mesh;
@@ -205,8 +225,7 @@ void Rasteriser::write_runs(std::span<const DrawCall> calls) {
   }
 }
 
-void Rasteriser::bind() {
-  if (is_bound_) return;
+void Rasteriser::bind(const GpuImage& surface) {
   const std::array buffers{&params_, &vertices_, &indices_, &runs_, &nearest_, &shells_, &parts_};
   static_assert(buffers.size() == DMVV_RASTER_SURFACE);
   const auto write = [&](std::uint32_t binding, vk::WriteDescriptorSet written) {
@@ -218,19 +237,19 @@ void Rasteriser::bind() {
     const vk::BufferView view = i == DMVV_RASTER_VERTICES ? *vertex_texels_ : i == DMVV_RASTER_INDICES ? *index_texels_ : nullptr;
     write(i, {.pBufferInfo = &info, .pTexelBufferView = &view});
   }
-  const vk::DescriptorImageInfo image{{}, *surface_.view, Layout::eGeneral};
+  const vk::DescriptorImageInfo image{{}, *surface.view, Layout::eGeneral};
   write(DMVV_RASTER_SURFACE, {.pImageInfo = &image});
-  is_bound_ = true;
 }
 
-void Rasteriser::draw(const vk::raii::CommandBuffer& commands, const FrameSetup& setup, const Tile& tile, bool in_clusters) {
+void Rasteriser::draw(const vk::raii::CommandBuffer& commands, const FrameSetup& setup, const Tile& tile, bool in_clusters,
+                      const GpuImage& surface) {
   const auto calls = in_clusters ? plan_draw(clusters_, setup, tile, setup.eye_within) : plan_whole(clusters_, setup, setup.eye_within);
   gpu::RasterParams params = setup.raster;
   params.tile = {tile.corner_px, tile.size_px};
   params.run_count = static_cast<std::uint32_t>(calls.size());
   std::memcpy(params_.mapped, &params, sizeof params);
   write_runs(calls);
-  bind();
+  bind(surface);
 
   const Pipelines& kernels = pipelines_for(setup);
   const vk::DeviceSize pixels = vk::DeviceSize{tile.size_px.x} * tile.size_px.y;
@@ -240,8 +259,7 @@ void Rasteriser::draw(const vk::raii::CommandBuffer& commands, const FrameSetup&
   commands.pipelineBarrier(Stage::eComputeShader | Stage::eTransfer, Stage::eComputeShader, {},
                            vk::MemoryBarrier{.srcAccessMask = Access::eTransferWrite,
                                              .dstAccessMask = Access::eShaderRead | Access::eShaderWrite},
-                           nullptr,
-                           color_barrier(surface_, Layout::eUndefined, Layout::eGeneral, {}, Access::eShaderWrite));
+                           nullptr, nullptr);
   constexpr auto compute = vk::PipelineBindPoint::eCompute;
   commands.bindDescriptorSets(compute, *layout_, 0, *set_, nullptr);
   const auto run = [&](const vk::raii::Pipeline& kernel, std::uint32_t across, std::uint32_t down) {

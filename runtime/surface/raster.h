@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "runtime/gpu/gpu.h"
@@ -14,16 +15,21 @@ namespace dmvv::runtime {
 /// The tile that is drawn while kernels are compiled.
 inline constexpr glm::uvec2 warm_up_px{DMVV_PIXELS_BLOCK, DMVV_PIXELS_BLOCK};
 
+/// A surface image for tiles of this extent.
+GpuImage make_surface_image(const Device::Impl& gpu, vk::Extent2D extent);
+
 class Rasteriser {
  public:
   explicit Rasteriser(const Device::Impl& gpu);
 
-  /// Makes what tiles up to this size are drawn into.
+  /// Makes what drawing tiles up to this size takes, beside their surfaces.
   void set_extent(vk::Extent2D extent);
   vk::Extent2D extent() const { return extent_; }
-  /// Of the tile that was drawn last (shaders/surface.glsl). Drawing leaves it in the layout GENERAL, for compute shaders and
-  /// copies.
-  const GpuImage& surface() const { return surface_; }
+  /// A surface that was made and drawn into before, if there is one of this extent; the caller's from then on.
+  std::optional<GpuImage> take_surface(vk::Extent2D extent);
+  /// Makes a surface and draws a few pixels of a view into it, so that the driver compiles the kernels now; it is kept for
+  /// `take_surface`.
+  void rehearse(const FrameSetup& setup);
 
   /// Makes `mesh` the one that is drawn. The same mesh again (compared bit by bit) costs a comparison.
   Result<void> set_mesh(const voml::Mesh& mesh);
@@ -36,9 +42,10 @@ class Rasteriser {
 
   /// Whether the kernels for such a view have been made.
   bool is_ready(const FrameSetup& setup) const { return pipelines_.contains(kernel_kind(setup)); }
-  /// Records the drawing of one tile, in clusters or as a whole. Writes what the shaders read: the commands must be done
-  /// before the next call.
-  void draw(const vk::raii::CommandBuffer& commands, const FrameSetup& setup, const Tile& tile, bool in_clusters);
+  /// Records the drawing of one tile into `surface` (shaders/surface.glsl; layout GENERAL, for compute shaders and copies),
+  /// in clusters or as a whole. Writes what the shaders read: the commands must be done before the next call.
+  void draw(const vk::raii::CommandBuffer& commands, const FrameSetup& setup, const Tile& tile, bool in_clusters,
+            const GpuImage& surface);
   /// Once the commands are done: whether all of the mesh has been drawn. It has not if large triangles lie over each other
   /// more often than there is room for.
   bool is_complete() const;
@@ -62,7 +69,7 @@ class Rasteriser {
   vk::raii::Pipeline make_pipeline(std::span<const std::uint32_t> words, const KernelKind& kind) const;
   const Pipelines& pipelines_for(const FrameSetup& setup);
   void write_runs(std::span<const DrawCall> calls);
-  void bind();
+  void bind(const GpuImage& surface);
   vk::DescriptorType descriptor_type(std::uint32_t binding) const;
 
   const Device::Impl& gpu_;
@@ -70,11 +77,10 @@ class Rasteriser {
   vk::raii::PipelineLayout layout_{nullptr};
   vk::raii::DescriptorPool pool_{nullptr};
   vk::raii::DescriptorSet set_{nullptr};
-  bool is_bound_ = false;  ///< the set names the buffers and images below
   std::map<KernelKind, Pipelines> pipelines_;
   GpuBuffer params_, runs_, parts_, part_count_;
   vk::Extent2D extent_;
-  GpuImage surface_;
+  std::optional<GpuImage> spare_;  ///< of this extent
   GpuBuffer nearest_, shells_;  ///< of each pixel (shaders/raster.h)
 
   std::optional<voml::Mesh> mesh_;

@@ -1,0 +1,103 @@
+#include "runtime/frame/frame_kernels.h"
+
+#include "spirv/classify_comp.h"
+#include "spirv/count_groups_comp.h"
+#include "spirv/count_hits_comp.h"
+#include "spirv/count_stages_comp.h"
+#include "spirv/distribute_comp.h"
+#include "spirv/follow_comp.h"
+#include "spirv/list_comp.h"
+#include "spirv/paint_bitmaps_comp.h"
+#include "spirv/paint_comp.h"
+
+namespace dmvv::runtime {
+namespace {
+
+bool runs_kernel(Step step) {
+  return step != Step::raster && step != Step::slice && step != Step::clear && step != Step::read_back;
+}
+
+bool asks_verdicts(Step step) { return step == Step::classify || step == Step::paint || step == Step::count_hits; }
+
+bool writes_pixels(Step step) {
+  return step == Step::paint || step == Step::lead || step == Step::follow || step == Step::evaluate || step == Step::stage;
+}
+
+}  // namespace
+
+FrameKernels::FrameKernels(const Device::Impl& gpu, const SceneOnDevice& scene, const compiler::Program& program,
+                           vk::raii::DescriptorSetLayout verdicts)
+    : gpu_(gpu),
+      has_bitmaps_(scene.has_bitmaps()),
+      code_of_pixels_(program.code(compiler::Kernel::pixels)),
+      code_of_leaders_(program.code(compiler::Kernel::leaders)),
+      io_layout_(make_set_layout(gpu, pixel_bindings)),
+      verdict_layout_(std::move(verdicts)),
+      layout_(make_pipeline_layout(gpu, std::array{*scene.layout(), *io_layout_}, sizeof(gpu::PixelsParams))),
+      layout_with_verdicts_(make_pipeline_layout(gpu, std::array{*scene.layout(), *io_layout_, *verdict_layout_},
+                                                 sizeof(gpu::PixelsParams))) {
+  for (const compiler::Stage& stage : program.stages) {
+    code_of_stages_.push_back(stage.spirv);
+    stages_go_on_.push_back(stage.has_next);
+  }
+}
+
+std::span<const std::uint32_t> FrameKernels::code_of(Step step, std::uint32_t stage) const {
+  switch (step) {
+    case Step::list: return list_comp;
+    case Step::classify: return classify_comp;
+    case Step::count_lists: return count_groups_comp;
+    case Step::paint:
+      if (has_bitmaps_) return paint_bitmaps_comp;
+      return paint_comp;
+    case Step::lead: return code_of_leaders_;
+    case Step::follow: return follow_comp;
+    case Step::evaluate: return code_of_pixels_;
+    case Step::count_stages: return count_stages_comp;
+    case Step::stage: return code_of_stages_[stage];
+    case Step::distribute: return distribute_comp;
+    case Step::count_hits: return count_hits_comp;
+    case Step::raster:
+    case Step::slice:
+    case Step::clear:
+    case Step::read_back: break;
+  }
+  return {};
+}
+
+FrameKernels::Key FrameKernels::key_of(Step step, std::uint32_t stage, const KernelKind& kind) const {
+  return {step, step == Step::stage ? stage : 0, writes_pixels(step) ? kind : KernelKind{}};
+}
+
+Result<void> FrameKernels::prepare(const FramePlan& plan, const KernelKind& kind) {
+  for (const TilePlan& tile : plan.tiles) {
+    for (const PlannedStep& planned : tile.steps) {
+      if (!runs_kernel(planned.step)) continue;
+      const Key key = key_of(planned.step, planned.stage, kind);
+      if (made_.contains(key)) continue;
+      const std::span<const std::uint32_t> code = code_of(planned.step, planned.stage);
+      if (code.empty()) {
+        const char* const name = planned.step == Step::lead ? "leaders" : "pixels";
+        return fail(Fault::environment, fmt::format("the program was compiled without its kernel '{}'", name));
+      }
+      const std::array<std::uint32_t, 3> constants{kind.lists, kind.as_bytes, kind.with_regions};
+      const auto used = writes_pixels(planned.step) ? std::span<const std::uint32_t>(constants)
+                                                    : std::span<const std::uint32_t>();
+      const auto& layout = asks_verdicts(planned.step) ? layout_with_verdicts_ : layout_;
+      made_.emplace(key, make_compute_pipeline(gpu_, code, layout, used));
+    }
+  }
+  return {};
+}
+
+bool FrameKernels::has_evaluation(const KernelKind& kind) const {
+  const Step step = stages_go_on_.empty() ? Step::evaluate : Step::stage;
+  return made_.contains(key_of(step, 0, kind));
+}
+
+FrameKernels::Bound FrameKernels::at(Step step, std::uint32_t stage, const KernelKind& kind) const {
+  const bool asks = asks_verdicts(step);
+  return {*made_.at(key_of(step, stage, kind)), asks ? *layout_with_verdicts_ : *layout_, asks};
+}
+
+}  // namespace dmvv::runtime

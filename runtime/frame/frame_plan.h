@@ -1,0 +1,107 @@
+// What a frame does, in order: a pure value that can be printed and tested. Nothing is run here.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "runtime/frame/strategy.h"
+#include "runtime/surface/clusters.h"
+#include "shaders/records.h"
+
+namespace dmvv::runtime {
+
+/// What the steps of a frame read and write.
+enum class Resource : std::uint8_t {
+  surface,   ///< position and normal of each pixel
+  pixels,    ///< colours and region numbers
+  lists,     ///< pixels to be evaluated, to be painted, ...: entries and their counts
+  known,     ///< what is proven of each listed pixel
+  leaders,   ///< of each 4 x 4 pixels: a point, its answer, and how far that holds
+  queues,    ///< pixels of the stages that follow
+  verdicts,  ///< trees of cells
+  hits,      ///< how often cells left a pixel to be evaluated
+  faults,    ///< pixels for which the device ran out of loop rounds
+  home,      ///< memory that the host reads
+};
+inline constexpr std::size_t resource_count = 10;
+
+enum class Step : std::uint8_t {
+  raster,        ///< the support mesh
+  slice,         ///< a section's points, in place of it
+  clear,         ///< pixels, lists, leaders and queues before they are written
+  list,          ///< which pixels show a surface
+  classify,      ///< likewise, and which of them have a proven answer
+  count_lists,   ///< how many groups each list takes
+  paint,         ///< pixels with a proven answer
+  lead,          ///< leaders
+  follow,        ///< pixels near enough to their leader; lists those that are not
+  evaluate,      ///< pixels of a list, or all, by one kernel
+  count_stages,  ///< how many groups each queue takes
+  stage,         ///< pixels of a queue, by one stage's kernel
+  distribute,    ///< pixels of a stage to the queues of later ones
+  count_hits,    ///< cells that left pixels to be evaluated
+  read_back,     ///< what the host wants
+};
+inline constexpr std::size_t step_count = 15;
+
+/// How steps use a resource. Additions go to different places or are atomic: any number of steps may add without waiting.
+struct StepUse {
+  const char* name;
+  std::vector<Resource> reads, adds, writes;
+};
+const StepUse& use_of(Step step);
+
+inline constexpr std::uint32_t no_list = ~0u;
+
+struct PlannedStep {
+  Step step;
+  std::uint32_t list = no_list;  ///< DMVV_TO_EVALUATE, ...: the list that it runs over, if it does
+  std::uint32_t stage = 0;       ///< of `stage` and `distribute`
+  friend bool operator==(const PlannedStep&, const PlannedStep&) = default;
+};
+
+struct TilePlan {
+  Tile tile;
+  bool keeps_still = false;        ///< the images hold these pixels as of another time: those that stand still stay
+  std::vector<PlannedStep> steps;  ///< none: the images hold this tile already
+};
+
+struct FramePlan {
+  glm::uvec2 size_px{0};
+  Strategy strategy;
+  std::vector<TilePlan> tiles;
+};
+
+/// What the images of a tile hold before the frame.
+struct KeptTile {
+  bool surface = false;     ///< the surface that is wanted
+  bool picture = false;     ///< all that is wanted
+  bool other_time = false;  ///< all that is wanted, but for the time
+};
+
+struct FrameRequest {
+  glm::uvec2 size_px{0};      ///< what is rendered: the picture times the samples
+  std::vector<Tile> tiles;
+  std::vector<KeptTile> kept;  ///< of each tile
+  bool is_slice = false;
+  FramePasses passes;
+  Strategy strategy;
+  std::vector<bool> stages_go_on;  ///< of each stage, whether pixels go on from it; empty: one kernel
+};
+
+/// Whether the images hold all of the frame already, so that nothing is left to do.
+bool is_kept(const FrameRequest& request);
+
+/// The plan of a frame. Cost: linear in tiles and stages.
+FramePlan plan_frame(const FrameRequest& request);
+
+/// For each step of a tile, whether it must wait for those before it: the steps' declared uses say so.
+std::vector<bool> waits(std::span<const PlannedStep> steps);
+
+/// The plan as lines of text: for goldens and for whoever asks what a frame does.
+std::string to_text(const FramePlan& plan);
+
+}  // namespace dmvv::runtime
