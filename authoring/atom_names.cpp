@@ -69,8 +69,7 @@ std::string_view letters_of(std::string_view name) {
 std::string_view element_of_ion(std::string_view name, std::string_view residue) {
   const std::string_view letters = letters_of(name);
   const std::string_view three = residue.substr(0, residue.size() == 4 ? 3 : residue.size());
-  if (letters.empty() ||
-      (!same_word(letters, letters_of(residue)) && !same_word(letters, letters_of(three))))
+  if (letters.empty() || (!same_word(letters, letters_of(residue)) && !same_word(letters, letters_of(three))))
     return {};
   const auto ion = std::ranges::find_if(ions, [&](const Ion& i) { return same_word(i.name, letters); });
   if (ion != ions.end()) return ion->symbol;

@@ -173,9 +173,10 @@ void bake_values(const Field& field, const BakeOptions& options, voml::Grid& gri
 
 // ---- distances to the triangles ----
 
-/// Which triangle is nearest to each sample: exactly within two voxels of the boundary. Beyond, the nearest of those that
-/// are nearest to a neighbour, in eight sweeps over the grid, one from each of its corners (Danielsson 1980; Bridson's
-/// SDFGen), and from there on, over the boundary, to where no nearer one is next to it. Distances go to grid.values.
+/// Which triangle is nearest to each sample: exactly within two voxels of the boundary. Beyond, the nearest of those
+/// that are nearest to a neighbour, in eight sweeps over the grid, one from each of its corners (Danielsson 1980;
+/// Bridson's SDFGen), and from there on, over the boundary, to where no nearer one is next to it. Distances go to
+/// grid.values.
 class NearestTriangles {
  public:
   NearestTriangles(voml::Grid& grid, const std::vector<Corners>& triangles)
@@ -248,7 +249,8 @@ class NearestTriangles {
   void ask_beside(std::uint32_t triangle, std::size_t here, const glm::dvec3& centre) {
     const glm::dvec3 at = (triangles_[triangle].centroid() - grid_.box_lo) / step_of(grid_) - 0.5;
     const glm::ivec3 middle(glm::round(at)), last(size_ - 1u);
-    const glm::ivec3 from = glm::clamp(middle - 1, glm::ivec3(0), last), to = glm::clamp(middle + 1, glm::ivec3(0), last);
+    const glm::ivec3 from = glm::clamp(middle - 1, glm::ivec3(0), last),
+                     to = glm::clamp(middle + 1, glm::ivec3(0), last);
     for (int z = from.z; z <= to.z; ++z) {
       for (int y = from.y; y <= to.y; ++y) {
         for (int x = from.x; x <= to.x; ++x) {
@@ -309,8 +311,8 @@ bool bake_distances(const Field& field, const BakeOptions& options, voml::Grid& 
 
   std::vector<SliceCorners> slices(lattice.size.z - 1);
   for_each_slice(
-      lattice.size.z - 1, options.threads,
-      [&](std::uint32_t z) { slices[z] = corners_in_slice(field, lattice, z); }, progress, lattice.size.z, total);
+      lattice.size.z - 1, options.threads, [&](std::uint32_t z) { slices[z] = corners_in_slice(field, lattice, z); },
+      progress, lattice.size.z, total);
   std::vector<Corners> triangles = triangles_between(lattice, slices);
   if (triangles.empty()) return false;
   slices = {};

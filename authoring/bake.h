@@ -21,12 +21,11 @@ struct BakeReport {
 ///
 /// Values: the field's own; or, with `distance`, in cube units with the field's sign, the distances to triangles whose
 /// corners lie on its boundary, a voxel apart (Gibson 1998, corners moved to the boundary): too great or small by up to
-/// voxel^2 / 2 times the boundary's curvature, and edges are cut off by up to a voxel. Beyond two voxels from the boundary
-/// the nearest triangle is searched from those of the neighbours on, and may, rarely, be another one.
-/// Errors (input): options out of range; nothing is inside, or no sample; with `distance`, no boundary. Errors
-/// (environment): not enough memory.
-/// Cost: one evaluation a sample; with `distance` some 50 more a voxel on the boundary, and some 60 distances to triangles
-/// a sample. 4 bytes a sample; with `distance` 8, and some 700 bytes a voxel on the boundary.
+/// voxel^2 / 2 times the boundary's curvature, and edges are cut off by up to a voxel. Beyond two voxels from the
+/// boundary the nearest triangle is searched from those of the neighbours on, and may, rarely, be another one. Errors
+/// (input): options out of range; nothing is inside, or no sample; with `distance`, no boundary. Errors (environment):
+/// not enough memory. Cost: one evaluation a sample; with `distance` some 50 more a voxel on the boundary, and some 60
+/// distances to triangles a sample. 4 bytes a sample; with `distance` 8, and some 700 bytes a voxel on the boundary.
 Result<voml::Grid> bake(const Field& field, const BakeOptions& options, BakeReport& report,
                         const Progress& progress = {});
 

@@ -117,7 +117,8 @@ class Around {
   std::array<double, std::size_t{edge} * edge * edge> known_;
 };
 
-/// Directions of length 1 to one side of a plane: its normal, and eight around that, which lead away from edges near by.
+/// Directions of length 1 to one side of a plane: its normal, and eight around that, which lead away from edges near
+/// by.
 std::array<glm::dvec3, 9> directions(const glm::dvec3& normal) {
   const glm::dvec3 other = std::abs(normal.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 u = glm::normalize(glm::cross(normal, other)), v = glm::cross(normal, u);

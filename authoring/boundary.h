@@ -43,10 +43,10 @@ class Solid {
   double orientation_;
 };
 
-/// The share of the points near which a grid has no boundary. It has one if its trilinear interpolation is <= 0 somewhere
-/// within a voxel on the inner side and > 0 somewhere within a voxel on the outer side, each looked for in steps of 1/16
-/// voxel along the normal and eight directions around it, so that rounded edges count as kept. Outside its box a grid is
-/// positive. The samples are grid.values or, for a grid without, those that `value` would give it.
+/// The share of the points near which a grid has no boundary. It has one if its trilinear interpolation is <= 0
+/// somewhere within a voxel on the inner side and > 0 somewhere within a voxel on the outer side, each looked for in
+/// steps of 1/16 voxel along the normal and eight directions around it, so that rounded edges count as kept. Outside
+/// its box a grid is positive. The samples are grid.values or, for a grid without, those that `value` would give it.
 double share_lost(const voml::Grid& grid, const SignedValue& value, std::span<const BoundaryPoint> points);
 
 /// The finest resolution that is tried, beyond what a grid can have.

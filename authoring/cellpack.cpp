@@ -308,7 +308,8 @@ void choose_radii(std::vector<Ingredient>& ingredients) {
   if (!known.empty()) std::ranges::nth_element(known, middle);
   const double usual = known.empty() ? 1.0 / bead_spacing_share : *middle;
   for (std::size_t i = 0; i < ingredients.size(); ++i)
-    for (Bead& bead : ingredients[i].beads) bead.radius = bead_spacing_share * (spacings[i] > 0.0 ? spacings[i] : usual);
+    for (Bead& bead : ingredients[i].beads)
+      bead.radius = bead_spacing_share * (spacings[i] > 0.0 ? spacings[i] : usual);
 }
 
 }  // namespace
@@ -419,7 +420,8 @@ std::string blob_function(const Ingredient& ingredient, const MoleculeFrame& fra
   for (const Bead& bead : ingredient.beads) {
     const glm::dvec3 p = (bead.position - frame.center) / frame.angstrom_per_unit;
     const double radius = bead.radius / frame.angstrom_per_unit;
-    beads += fmt::format("{}vec4({:.5f}, {:.5f}, {:.5f}, {:.5f})", beads.empty() ? "" : ",\n        ", p.x, p.y, p.z, radius);
+    beads += fmt::format("{}vec4({:.5f}, {:.5f}, {:.5f}, {:.5f})", beads.empty() ? "" : ",\n        ", p.x, p.y, p.z,
+                         radius);
   }
   const std::size_t count = ingredient.beads.size();
   const double steep = steepness(ingredient, frame.angstrom_per_unit);

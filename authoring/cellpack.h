@@ -46,8 +46,8 @@ using RadiusOf = std::function<double(const std::string& ingredient)>;
 std::optional<Packing> parse_cellpack(const std::string& path, std::string_view bytes, const RadiusOf& radius_of,
                                       Diagnostics& diagnostics);
 
-/// The radius of a bead that has none, as a share of the median distance from a bead to the nearest of its kind: balls on
-/// a cubic lattice then leave no gap (half the root of 3; in files that tell radii it is 0.6 to 1). For kinds of one
+/// The radius of a bead that has none, as a share of the median distance from a bead to the nearest of its kind: balls
+/// on a cubic lattice then leave no gap (half the root of 3; in files that tell radii it is 0.6 to 1). For kinds of one
 /// bead the median of all others' distances counts; without any, the radius is 1.
 inline constexpr double bead_spacing_share = 0.866;
 

@@ -207,7 +207,8 @@ tl::unexpected<Error> nothing_inside(const Solid& solid, const voml::Grid& grid,
   const std::uint32_t enough = resolution_that_keeps_most(box, options.padding, options.resolution, value, boundary);
   std::vector<std::string> reasons = voml::describe(edges);
   reasons.push_back(resolution_needed_text(enough));
-  return fail(Fault::input, "no sample of the grid lies inside the mesh, which is thinner than a voxel", std::move(reasons));
+  return fail(Fault::input, "no sample of the grid lies inside the mesh, which is thinner than a voxel",
+              std::move(reasons));
 }
 
 }  // namespace

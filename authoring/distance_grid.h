@@ -39,13 +39,12 @@ inline constexpr std::uint32_t max_grid_resolution = 512;
 /// Sign: negative where the generalised winding number exceeds 1/2 (Jacobson et al. 2013), evaluated hierarchically
 /// (Barill et al. 2018); holes and stray shells do not flip it, a mesh turned inside out as a whole is turned back.
 /// Box: voxels are cubes, sizes are rounded up; its corners are values that an LXN file holds exactly.
-/// A self-intersecting mesh is solid wherever it winds around; distances are to the nearest triangle all the same, be it
-/// one inside the solid.
-/// Errors (input): options out of range; a mesh without extent or too small for its coordinates' precision; a mesh that
-/// leaves the cube when `fit` is off; a mesh without inside, because of its edges' faults (counted, each kind with its
-/// first edge; a quarter of all edges between triangles wound against each other is enough) or because it is thinner than
-/// a voxel (with a resolution that would do). Errors (environment): not enough memory.
-/// Cost: O(samples * log triangles); 4 bytes a sample and some 300 bytes a triangle.
+/// A self-intersecting mesh is solid wherever it winds around; distances are to the nearest triangle all the same, be
+/// it one inside the solid. Errors (input): options out of range; a mesh without extent or too small for its
+/// coordinates' precision; a mesh that leaves the cube when `fit` is off; a mesh without inside, because of its edges'
+/// faults (counted, each kind with its first edge; a quarter of all edges between triangles wound against each other is
+/// enough) or because it is thinner than a voxel (with a resolution that would do). Errors (environment): not enough
+/// memory. Cost: O(samples * log triangles); 4 bytes a sample and some 300 bytes a triangle.
 Result<voml::Grid> distance_grid(const voml::Mesh& mesh, const GridOptions& options, GridReport& report,
                                  const Progress& progress = {});
 

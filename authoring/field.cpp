@@ -208,8 +208,8 @@ struct Field::Impl {
   void hold_negative(const glm::dvec3& lo, const glm::dvec3& hi, int levels, Box& inside) const {
     if (!inside.empty() && inside.holds(lo, hi)) return;
     const auto& snippet = at(module.functions, std::get<Id<compiler::Function>>(sdf.source)).snippet;
-    const auto bounds = snippet.evaluate(compiler::snippet::Box{lo, hi}, {time_ms, time_ms},
-                                         compiler::snippet::Rounding::real);
+    const auto bounds =
+        snippet.evaluate(compiler::snippet::Box{lo, hi}, {time_ms, time_ms}, compiler::snippet::Rounding::real);
     if (bounds.lo > sdf.iso) return;
     if (levels == 0) {
       inside.hold(lo);
@@ -231,9 +231,8 @@ Field::~Field() = default;
 
 Field::Value Field::evaluate(const glm::dvec3& p) const {
   Value least{impl_->far, true};
-  impl_->for_each_placement(p, [&](std::size_t i) {
-    least.value = std::min(least.value, impl_->placed(i, p, least.finite));
-  });
+  impl_->for_each_placement(
+      p, [&](std::size_t i) { least.value = std::min(least.value, impl_->placed(i, p, least.finite)); });
   return least;
 }
 

@@ -18,8 +18,8 @@ Result<Id<compiler::Sdf>> find_sdf(const compiler::Module& module, const std::st
 /// The value of an SDF in the frame of its object, its iso-value taken off: not above zero exactly where a decision on
 /// the SDF goes to its negative side. Grids are sampled, snippets evaluated in double.
 ///
-/// A placement's values are its source's, in the units of its own frame; of several the least counts. Where the box of a
-/// placement ends within the object's cube, its negative side ends with it, so that there the value is
+/// A placement's values are its source's, in the units of its own frame; of several the least counts. Where the box of
+/// a placement ends within the object's cube, its negative side ends with it, so that there the value is
 ///   inside:  the greater of the source's and the distance to the box's nearest face, negative;
 ///   outside: that of the nearest face, not below zero, and the distance to it.
 /// No jump is left at a box's faces, where the value would otherwise be infinite outside.

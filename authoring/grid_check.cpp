@@ -246,7 +246,8 @@ GridCheck check_grid(const voml::Grid& grid, const Field& field, const BakeOptio
     }
     return std::max(glm::length(change), 1e-30);
   };
-  check_volume(grid, {.value = [&](const glm::dvec3& p) { return field(p); }, .slope = slope, .grid_has_value = !distance},
+  check_volume(grid,
+               {.value = [&](const glm::dvec3& p) { return field(p); }, .slope = slope, .grid_has_value = !distance},
                points, check);
 
   Tally surface;

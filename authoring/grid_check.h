@@ -18,7 +18,8 @@ struct Errors {
   glm::dvec3 where{0.0};  ///< of the greatest
 };
 
-/// All lengths in units of the standard cube, whose edge is 2. g(p) is the grid as scenes sample it: trilinear, clamped.
+/// All lengths in units of the standard cube, whose edge is 2. g(p) is the grid as scenes sample it: trilinear,
+/// clamped.
 struct GridCheck {
   double voxel = 0.0;  ///< longest edge
   /// At points of the exact boundary, spread evenly over its area: |g|, the exact distance being zero there. For values
@@ -31,12 +32,12 @@ struct GridCheck {
   /// |value - exact| at samples drawn at random, and |g - exact| at points spread evenly between the outermost samples.
   /// Not measured where the exact value is not known: distances to a field's boundary.
   std::optional<Errors> samples, between;
-  /// At those points: g and the exact value on different sides of zero. Errors::greatest is the exact distance of such a
-  /// point to the boundary (the value over the slope, as above).
+  /// At those points: g and the exact value on different sides of zero. Errors::greatest is the exact distance of such
+  /// a point to the boundary (the value over the slope, as above).
   Errors wrong_side;
   std::size_t side_points = 0;
-  /// Share of the exact boundary near which (within a voxel; spec/lxn.md) the grid has none: thin parts and narrow gaps,
-  /// which no sample lies in. Counted at the points of `surface`.
+  /// Share of the exact boundary near which (within a voxel; spec/lxn.md) the grid has none: thin parts and narrow
+  /// gaps, which no sample lies in. Counted at the points of `surface`.
   double boundary_lost = 0.0;
   /// If that is more than 1 %: a resolution that would keep 99 % (its grid's samples were computed near those points),
   /// the least one to some 3 %; 0 if 8192 does not. For distances to a field's boundary the field's own values stand
@@ -44,17 +45,16 @@ struct GridCheck {
   std::optional<std::uint32_t> resolution_needed;
 };
 
-/// Against a mesh placed as `report` says. Exact: the distance to the nearest triangle, negative where the winding number
-/// exceeds 1/2 (with clusters opened up to 4 times their radius). The same input gives the same result.
-/// Cost: `points` times four queries; where more than 1 % of the boundary is lost, some 100 times that.
+/// Against a mesh placed as `report` says. Exact: the distance to the nearest triangle, negative where the winding
+/// number exceeds 1/2 (with clusters opened up to 4 times their radius). The same input gives the same result. Cost:
+/// `points` times four queries; where more than 1 % of the boundary is lost, some 100 times that.
 GridCheck check_grid(const voml::Grid& grid, const voml::Mesh& mesh, const GridReport& report,
                      std::size_t points = 20000);
 
 /// Against the field that it was baked from, with the same options. Points of its boundary are roots on random lines
-/// through the box, searched in steps of half a voxel, and of 1/128 voxel where the field's change along the line allows
-/// for two roots in a step: what is thinner can be missed.
-/// Cost: some `points` times 5 evaluations a voxel of the grid's longest side; where more than 1 % of the boundary is
-/// lost, some thousand more a point.
+/// through the box, searched in steps of half a voxel, and of 1/128 voxel where the field's change along the line
+/// allows for two roots in a step: what is thinner can be missed. Cost: some `points` times 5 evaluations a voxel of
+/// the grid's longest side; where more than 1 % of the boundary is lost, some thousand more a point.
 GridCheck check_grid(const voml::Grid& grid, const Field& field, const BakeOptions& options,
                      std::size_t points = 20000);
 

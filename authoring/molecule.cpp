@@ -151,8 +151,7 @@ std::optional<Molecule> parse_molecule(const std::string& path, std::string_view
   try {
     looks_like_mmcif(builder.text()) ? read_mmcif(builder) : read_pdb(builder);
   } catch (const MoleculeRefusal& refusal) {
-    builder.report(refusal.code, builder.text().substr(refusal.begin, refusal.end - refusal.begin),
-                   refusal.message);
+    builder.report(refusal.code, builder.text().substr(refusal.begin, refusal.end - refusal.begin), refusal.message);
   }
   return builder.finish(errors_before);
 }

@@ -277,9 +277,8 @@ class CifReader {
   }
 
   std::size_t column_of(const Category& table, std::string_view name, std::string_view item) const {
-    const auto found = std::ranges::find_if(table.tags, [&](const Token& tag) {
-      return same_word(tag.text.substr(name.size()), item);
-    });
+    const auto found = std::ranges::find_if(
+        table.tags, [&](const Token& tag) { return same_word(tag.text.substr(name.size()), item); });
     if (found == table.tags.end())
       lexer_.refuse(table.tags.front().whole, fmt::format("the assemblies have no {}{}", name, item));
     return static_cast<std::size_t>(found - table.tags.begin());

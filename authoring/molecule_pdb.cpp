@@ -11,7 +11,6 @@
 namespace dmvv::authoring {
 namespace {
 
-
 /// Columns first..last, counted from 1 as the format does; shorter where the line ends.
 std::string_view columns(std::string_view line, std::size_t first, std::size_t last) {
   return first > line.size() ? line.substr(line.size()) : line.substr(first - 1, last - first + 1);
@@ -19,9 +18,7 @@ std::string_view columns(std::string_view line, std::size_t first, std::size_t l
 
 bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
 
-bool is_record(std::string_view line, std::string_view name) {
-  return same_word(line.substr(0, name.size()), name);
-}
+bool is_record(std::string_view line, std::string_view name) { return same_word(line.substr(0, name.size()), name); }
 
 /// Some programs write longer serial numbers, from column 5 on.
 bool is_atom(std::string_view line) {
@@ -120,7 +117,8 @@ class AssemblyReader {
   void read_row(std::string_view line) {
     last_ = line;
     const std::vector<std::string_view> words = words_of(columns(line, 14, 80));
-    const std::string_view number = columns(line, 19, 19), serial = words.size() == 6 ? words[1] : columns(line, 20, 23);
+    const std::string_view number = columns(line, 19, 19),
+                           serial = words.size() == 6 ? words[1] : columns(line, 20, 23);
     if (number != std::string_view("123").substr(row_, 1) || (row_ != 0 && serial != serial_)) {
       builder_.report(Code::molecule_assembly, number,
                       fmt::format("the row BIOMT{} of an operator was expected here", row_ + 1));

@@ -103,8 +103,8 @@ PlacedAssembly place_assembly(const Molecule& molecule, const Assembly& assembly
     if (unit.atoms.empty() || part.operators.empty()) continue;
     unit.frame = fit_molecule(unit.atoms);
     for (const Operator& op : part.operators) {
-      unit.placements.push_back({op.rotation * unit.frame.center + op.translation, op.rotation,
-                                 glm::dvec3(unit.frame.angstrom_per_unit)});
+      unit.placements.push_back(
+          {op.rotation * unit.frame.center + op.translation, op.rotation, glm::dvec3(unit.frame.angstrom_per_unit)});
       for (const Atom& atom : unit.atoms) {
         const glm::dvec3 p = op.rotation * atom.position + op.translation;
         lo = glm::min(lo, p - atom.element->radius);
@@ -141,7 +141,8 @@ std::vector<std::string> file_names_of(std::span<const std::string> names) {
              !taken.contains(lower + "_bead");
     };
     for (int i = 2; !free(); ++i) unique = fmt::format("{}_{}", plain, i);
-    for (const char* const ending : {"", "_rotate", "_scale", "_bead", "_bead_scale"}) taken.insert(lower_case(unique) + ending);
+    for (const char* const ending : {"", "_rotate", "_scale", "_bead", "_bead_scale"})
+      taken.insert(lower_case(unique) + ending);
     result.push_back(unique);
   }
   return result;

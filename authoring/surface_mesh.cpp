@@ -283,7 +283,8 @@ Result<std::vector<std::uint32_t>> corners_of_outer_triangles(const voml::Mesh& 
   return corners;
 }
 
-/// Where the surface is hollow, triangles between its points pass outside: their corners move inward, a little at a time.
+/// Where the surface is hollow, triangles between its points pass outside: their corners move inward, a little at a
+/// time.
 Result<void> draw_in(voml::Mesh& mesh, double step, const InsideTest& inside) {
   constexpr int rounds = 3;
   for (int round = 0; round < rounds; ++round) {
@@ -406,7 +407,8 @@ Result<voml::Mesh> surface_mesh(const InsideTest& inside, const SurfaceOptions& 
   remove_flat_triangles(mesh);
   // Step 4: what still passes outside is drawn in.
   const double cell = 2.0 / options.resolution;
-  if (const auto drawn = draw_in(mesh, drawn_in_cells * cell, inside); !drawn) return tl::unexpected<Error>(drawn.error());
+  if (const auto drawn = draw_in(mesh, drawn_in_cells * cell, inside); !drawn)
+    return tl::unexpected<Error>(drawn.error());
   remove_flat_triangles(mesh);
   return mesh;
 }

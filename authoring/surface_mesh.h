@@ -28,12 +28,11 @@ struct SurfaceOptions {
 /// the surface touch.
 ///
 /// Cells four times as large are looked at first; what they miss, and no surface that they find leads to, is not there:
-/// things thinner than 4 cells that stand alone. Where the boundary bends sharply the mesh may still pass outside, by less
-/// than a cell.
-/// Errors: those of `inside`, and (input) a resolution out of range. Cost: some (resolution/4)^3 points, then some 70 a
-/// cell of the surface, asked for in blocks; memory: a byte a cell.
-/// Source: marching tetrahedra (Doi and Koide 1991) over the six of a cube round its diagonal (Kuhn 1960), whose
-/// surface is a manifold; crossings by bisection.
+/// things thinner than 4 cells that stand alone. Where the boundary bends sharply the mesh may still pass outside, by
+/// less than a cell. Errors: those of `inside`, and (input) a resolution out of range. Cost: some (resolution/4)^3
+/// points, then some 70 a cell of the surface, asked for in blocks; memory: a byte a cell. Source: marching tetrahedra
+/// (Doi and Koide 1991) over the six of a cube round its diagonal (Kuhn 1960), whose surface is a manifold; crossings
+/// by bisection.
 Result<voml::Mesh> surface_mesh(const InsideTest& inside, const SurfaceOptions& options);
 
 }  // namespace dmvv::authoring

@@ -25,7 +25,8 @@ struct Decoded {
   std::string fault;
 };
 
-/// Converts by the system's iconv. Nothing if it does not know the encoding; names are those of XML: letters, digits and
+/// Converts by the system's iconv. Nothing if it does not know the encoding; names are those of XML: letters, digits
+/// and
 /// "._-". Cost: linear.
 std::optional<Decoded> decode(std::string_view bytes, std::string_view encoding);
 

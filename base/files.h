@@ -12,8 +12,8 @@ namespace dmvv {
 
 /// Reads a whole file. Paths use '/'; relative ones have been joined to the folder of the file that names them.
 /// Errors: Fault::input with the reason (no such file, a directory, not a regular file, longer than `max_bytes`). Of a
-/// file that is missing the message offers the one that may be meant: by '/' for a backslash, letters of another case, a
-/// misspelling.
+/// file that is missing the message offers the one that may be meant: by '/' for a backslash, letters of another case,
+/// a misspelling.
 using ReadFile = std::function<Result<std::string>(const std::string& path, std::uint64_t max_bytes)>;
 
 /// Reads from disk.

@@ -10,8 +10,8 @@
 
 namespace dmvv {
 
-/// Calls body(i) once for each i below count, on all cores, in any order; returns when all are done. What a body throws is
-/// thrown here.
+/// Calls body(i) once for each i below count, on all cores, in any order; returns when all are done. What a body throws
+/// is thrown here.
 template <class Body>
 void in_parallel(std::size_t count, const Body& body) {
   std::atomic<std::size_t> next{0};

@@ -53,7 +53,8 @@ std::vector<Wrong> error_figures(const Json& run) {
       figures.push_back({fmt::format("wrong {}", kind), errors.at(kind).at("wrong_fraction").get<double>(), 0.0, 0.0});
     }
   }
-  if (errors.at("colour_rmse").is_number()) figures.push_back({"colour rmse", errors.at("colour_rmse").get<double>(), 0.01, 1e-7});
+  if (errors.at("colour_rmse").is_number())
+    figures.push_back({"colour rmse", errors.at("colour_rmse").get<double>(), 0.01, 1e-7});
   const Json& moved = errors.at("displacement");
   if (moved.is_object()) {
     figures.push_back({"displacement", moved.at("rms").get<double>(), 0.01, 1e-7});
@@ -82,7 +83,8 @@ double error_within(const SamplePairs& pairs) {
   double squares = 0.0;
   for (const auto& [before, after] : pairs) {
     const double ratio = median(after) / median(before);
-    squares += std::pow(median_error(before) / median(before) * ratio, 2) + std::pow(median_error(after) / median(before), 2);
+    squares +=
+        std::pow(median_error(before) / median(before) * ratio, 2) + std::pow(median_error(after) / median(before), 2);
   }
   return std::sqrt(squares) / static_cast<double>(pairs.size());
 }
@@ -111,7 +113,8 @@ Change judge_time(std::string id, const Timed& name, const SamplePairs& pairs) {
 }
 
 Change judge_error(std::string id, const Wrong& before, const Wrong& after) {
-  Change change{std::move(id), before.name, before.value, after.value, after.value / before.value, before.relative, Verdict::same};
+  Change change{std::move(id),   before.name,  before.value, after.value, after.value / before.value,
+                before.relative, Verdict::same};
   if (before.value == 0.0) change.ratio = after.value == 0.0 ? 1.0 : INFINITY;
   const double rise = after.value - before.value;
   if (rise > before.relative * before.value + before.absolute) change.verdict = Verdict::more_wrong;
@@ -144,7 +147,8 @@ Comparison compare_results(const std::vector<std::pair<Json, Json>>& results) {
   const auto& [first, second] = results.front();
   for (const auto& [key, value] : first.at("machine").items()) {
     if (key == "load" || second.at("machine").at(key) == value) continue;
-    comparison.notes.push_back(fmt::format("{}: {} before, {} after", key, value.dump(), second.at("machine").at(key).dump()));
+    comparison.notes.push_back(
+        fmt::format("{}: {} before, {} after", key, value.dump(), second.at("machine").at(key).dump()));
   }
   for (const Json& run : first.at("runs")) {
     const std::string id = run.at("id");
@@ -168,13 +172,16 @@ Comparison compare_results(const std::vector<std::pair<Json, Json>>& results) {
 
 std::string called_out(const Comparison& comparison, Verdict verdict, const std::string& title) {
   std::vector<Change> chosen;
-  std::ranges::copy_if(comparison.changes, std::back_inserter(chosen), [&](const Change& c) { return c.verdict == verdict; });
+  std::ranges::copy_if(comparison.changes, std::back_inserter(chosen),
+                       [&](const Change& c) { return c.verdict == verdict; });
   std::ranges::stable_sort(chosen, std::greater{}, [](const Change& c) { return std::max(c.ratio, 1.0 / c.ratio); });
   TextTable table({"case", "figure", "before", "after", "ratio", "noise"}, {"", "", "", "", "", "+-"});
   for (const Change& c : chosen) {
-    table.add({c.id, c.figure, number(c.before), number(c.after), fmt::format("{:.2f}", c.ratio), fmt::format("{:.0f} %", 100 * c.noise)});
+    table.add({c.id, c.figure, number(c.before), number(c.after), fmt::format("{:.2f}", c.ratio),
+               fmt::format("{:.0f} %", 100 * c.noise)});
   }
-  return table.empty() ? fmt::format("{}: nothing\n", title) : fmt::format("{}: {}\n{}", title, chosen.size(), table.text());
+  return table.empty() ? fmt::format("{}: nothing\n", title)
+                       : fmt::format("{}: {}\n{}", title, chosen.size(), table.text());
 }
 
 /// Geometric means of the ratios, a line a figure.
@@ -182,8 +189,12 @@ std::string means(const Comparison& comparison) {
   std::vector<std::string> names;
   std::map<std::string, std::pair<double, int>> sums;
   for (const Change& c : comparison.changes) {
-    if (!(c.ratio > 0.0) || !std::isfinite(c.ratio) || c.verdict == Verdict::more_wrong || c.verdict == Verdict::less_wrong) continue;
-    if (c.figure.starts_with("wrong") || c.figure == "colour rmse" || c.figure == "displacement" || c.figure == "lost boundary") continue;
+    if (!(c.ratio > 0.0) || !std::isfinite(c.ratio) || c.verdict == Verdict::more_wrong ||
+        c.verdict == Verdict::less_wrong)
+      continue;
+    if (c.figure.starts_with("wrong") || c.figure == "colour rmse" || c.figure == "displacement" ||
+        c.figure == "lost boundary")
+      continue;
     if (!sums.contains(c.figure)) names.push_back(c.figure);
     sums[c.figure].first += std::log(c.ratio);
     ++sums[c.figure].second;
@@ -199,7 +210,8 @@ std::string means(const Comparison& comparison) {
 }  // namespace
 
 bool Comparison::worse() const {
-  return std::ranges::any_of(changes, [](const Change& c) { return c.verdict == Verdict::slower || c.verdict == Verdict::more_wrong; });
+  return std::ranges::any_of(
+      changes, [](const Change& c) { return c.verdict == Verdict::slower || c.verdict == Verdict::more_wrong; });
 }
 
 Result<Comparison> compare(const std::vector<std::pair<std::string, std::string>>& pairs) {

@@ -23,17 +23,17 @@ struct Change {
 };
 
 struct Comparison {
-  std::vector<Change> changes;       ///< every figure that both have, in the order of the first result
+  std::vector<Change> changes;                       ///< every figure that both have, in the order of the first result
   std::vector<std::string> only_before, only_after;  ///< ids
-  std::vector<std::string> notes;    ///< differences of machine, driver or version
-  bool worse() const;                ///< something is slower or more wrong
+  std::vector<std::string> notes;                    ///< differences of machine, driver or version
+  bool worse() const;                                ///< something is slower or more wrong
 };
 
 /// Compares pairs of results, each (before, after) as JSON text, taken in turns on one machine.
 ///
-/// Times: a ratio of medians is called out if it is beyond the noise. One pair: four standard errors of the difference of
-/// the medians (statistics.h), and 5 % at least; with fewer than five samples on a side 30 %, as there is no noise to
-/// estimate. Three pairs or more: the median of their ratios against four standard errors, of the ratios or from
+/// Times: a ratio of medians is called out if it is beyond the noise. One pair: four standard errors of the difference
+/// of the medians (statistics.h), and 5 % at least; with fewer than five samples on a side 30 %, as there is no noise
+/// to estimate. Three pairs or more: the median of their ratios against four standard errors, of the ratios or from
 /// within the runs, whichever is larger, and 3 % at least.
 /// Differences under 0.05 ms (0.2 ns a point) are never called out.
 /// Errors: any rise of a wrong fraction, and displacements or colour errors that rise by more than 1 % and 1e-7.

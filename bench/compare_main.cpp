@@ -21,9 +21,11 @@ int refuse(const dmvv::Error& error) {
 
 int main(int count, char** words) {
   if (count < 3 || count % 2 == 0 || std::string_view(words[1]).starts_with("-")) {
-    return refuse({dmvv::Fault::environment, "usage: compare A.json B.json [A2.json B2.json ...]",
-                   {"pairs of results of dmvv bench --json, before and after a change, measured in turns",
-                    "exit code: 0 nothing worse, 1 something slower beyond the noise or more wrong, 2 cannot compare"}});
+    return refuse(
+        {dmvv::Fault::environment,
+         "usage: compare A.json B.json [A2.json B2.json ...]",
+         {"pairs of results of dmvv bench --json, before and after a change, measured in turns",
+          "exit code: 0 nothing worse, 1 something slower beyond the noise or more wrong, 2 cannot compare"}});
   }
   const dmvv::ReadFile files = dmvv::disk_files();
   std::vector<std::pair<std::string, std::string>> pairs;

@@ -84,24 +84,31 @@ std::vector<Fit> fit_series(const std::vector<Measurement>& measurements) {
     about.tolerance = theory.tolerance;
     about.source = theory.source;
     const auto step = [](const Measurement& m) { return 2.0 / m.what.parameter->value; };
-    add_fit(fits, series, "displacement rms", theory.finest, step,
-            [](const Measurement& m) { return m.displacement ? m.displacement->rms : 0.0; }, about);
-    add_fit(fits, series, "displacement max", theory.finest, step,
-            [](const Measurement& m) { return m.displacement ? m.displacement->max : 0.0; }, about);
+    add_fit(
+        fits, series, "displacement rms", theory.finest, step,
+        [](const Measurement& m) { return m.displacement ? m.displacement->rms : 0.0; }, about);
+    add_fit(
+        fits, series, "displacement max", theory.finest, step,
+        [](const Measurement& m) { return m.displacement ? m.displacement->max : 0.0; }, about);
   }
   const auto parameter = [](const Measurement& m) { return m.what.parameter->value; };
   for (const Series& series : series_of(measurements, "samples")) {
     Fit about;
     about.source = "edges on a regular grid: between -1 (along the grid) and -1.5";
-    add_fit(fits, series, "colour rmse", 1e9, parameter, [](const Measurement& m) { return m.color_rmse.value_or(0.0); },
-            about);
+    add_fit(
+        fits, series, "colour rmse", 1e9, parameter, [](const Measurement& m) { return m.color_rmse.value_or(0.0); },
+        about);
   }
   for (const Series& series : series_of(measurements, "growth")) {
     Fit about;
     about.source = "1: in proportion, 0: does not grow";
-    add_fit(fits, series, "frame", 1e12, parameter, [](const Measurement& m) { return median(m.frame_ms); }, about);
-    add_fit(fits, series, "build", 1e12, parameter, [](const Measurement& m) { return m.build_ms(); }, about);
-    add_fit(fits, series, "memory", 1e12, parameter, [](const Measurement& m) { return static_cast<double>(m.peak_bytes); }, about);
+    add_fit(
+        fits, series, "frame", 1e12, parameter, [](const Measurement& m) { return median(m.frame_ms); }, about);
+    add_fit(
+        fits, series, "build", 1e12, parameter, [](const Measurement& m) { return m.build_ms(); }, about);
+    add_fit(
+        fits, series, "memory", 1e12, parameter, [](const Measurement& m) { return static_cast<double>(m.peak_bytes); },
+        about);
   }
   return fits;
 }

@@ -18,8 +18,10 @@ std::string preamble(const std::string& path) {
   const bool is_png = path.ends_with(".png");
   std::string quoted_path;
   for (const char c : path) quoted_path += c == '\'' ? std::string("''") : std::string(1, c);
-  return fmt::format("set encoding utf8\nset terminal {} size 900,520 noenhanced font 'DejaVu Sans,{}' background '#ffffff'\nset output '{}'\n",
-                     is_png ? "pngcairo" : "svg", is_png ? 11 : 13, quoted_path);
+  return fmt::format(
+      "set encoding utf8\nset terminal {} size 900,520 noenhanced font 'DejaVu Sans,{}' background '#ffffff'\nset "
+      "output '{}'\n",
+      is_png ? "pngcairo" : "svg", is_png ? 11 : 13, quoted_path);
 }
 
 /// A file that is removed when it goes out of scope.
@@ -48,7 +50,8 @@ Result<void> draw(const std::string& gnuplot, const Plot& plot, const std::strin
   if (*is_drawn) return {};
   Error failure{Fault::environment, fmt::format("gnuplot could not draw '{}'", plot.name), {}};
   std::istringstream lines(disk_files()(log.path, 1 << 20).value_or(""));
-  for (std::string line; failure.reasons.size() < 10 && std::getline(lines, line);) failure.reasons.push_back("gnuplot: " + line);
+  for (std::string line; failure.reasons.size() < 10 && std::getline(lines, line);)
+    failure.reasons.push_back("gnuplot: " + line);
   return tl::unexpected(std::move(failure));
 }
 

@@ -44,21 +44,17 @@ Json displacement(const Measurement& m) {
   const auto in_pixels = [&](double value) -> Json {
     return m.pixel_pitch ? Json(rounded(value / *m.pixel_pitch)) : Json(nullptr);
   };
-  return {{"count", d.count},          {"lost", d.lost},
-          {"max", rounded(d.max)},     {"rms", rounded(d.rms)},
-          {"mean", rounded(d.mean)},   {"max_px", in_pixels(d.max)},
+  return {{"count", d.count},           {"lost", d.lost},
+          {"max", rounded(d.max)},      {"rms", rounded(d.rms)},
+          {"mean", rounded(d.mean)},    {"max_px", in_pixels(d.max)},
           {"rms_px", in_pixels(d.rms)}, {"pixel_pitch", optional_number(m.pixel_pitch)}};
 }
 
 Json settings(const Settings& s) {
-  return {{"codegen", name_of(s.codegen)},
-          {"atlas", name_of(s.atlas)},
-          {"filter", name_of(s.filter)},
-          {"samples", s.samples},
-          {"motion", name_of(s.motion)},
-          {"verdicts", s.verdicts},
-          {"surface_alone", s.surface_alone},
-          {"disabled_passes", s.disabled_passes}};
+  return {{"codegen", name_of(s.codegen)},    {"atlas", name_of(s.atlas)},
+          {"filter", name_of(s.filter)},      {"samples", s.samples},
+          {"motion", name_of(s.motion)},      {"verdicts", s.verdicts},
+          {"surface_alone", s.surface_alone}, {"disabled_passes", s.disabled_passes}};
 }
 
 Json thesis(const std::optional<ThesisFigures>& figures) {
@@ -77,12 +73,14 @@ Json run(const Measurement& m) {
              {"series", what.series},
              {"variant", what.variant},
              {"settings", settings(what.settings)}};
-  entry["parameter"] = what.parameter ? Json{{"name", what.parameter->name}, {"value", what.parameter->value}} : Json(nullptr);
+  entry["parameter"] =
+      what.parameter ? Json{{"name", what.parameter->name}, {"value", what.parameter->value}} : Json(nullptr);
   entry["size_px"] = {what.size_px.x, what.size_px.y};
   entry["failure"] = m.failure.empty() ? Json(nullptr) : Json(m.failure);
   if (!m.failure.empty()) return entry;
   Json times = Json::object();
-  for (const char* step : {"read", "compile", "SPIR-V", "upload", "pipeline"}) times[step] = summary(samples_of(m, step));
+  for (const char* step : {"read", "compile", "SPIR-V", "upload", "pipeline"})
+    times[step] = summary(samples_of(m, step));
   times["frame"] = summary(m.frame_ms);
   times["gpu"] = summary(m.gpu_ms);
   entry["times_ms"] = std::move(times);
@@ -91,9 +89,12 @@ Json run(const Measurement& m) {
   entry["point_ns"] = summary(m.point_ns);
   entry["upload_bytes"] = m.upload_bytes;
   entry["peak_bytes"] = m.peak_bytes;
-  entry["scene"] = {{"candidates", m.statistics.candidates}, {"seeds", m.statistics.seeds},
-                    {"sdfs", m.statistics.sdfs},             {"depth", m.statistics.depth},
-                    {"glsl_lines", m.statistics.glsl_lines}, {"inlined_lines", m.statistics.inlined_lines}};
+  entry["scene"] = {{"candidates", m.statistics.candidates},
+                    {"seeds", m.statistics.seeds},
+                    {"sdfs", m.statistics.sdfs},
+                    {"depth", m.statistics.depth},
+                    {"glsl_lines", m.statistics.glsl_lines},
+                    {"inlined_lines", m.statistics.inlined_lines}};
   entry["errors"] = {{"points", regions(m.points)},
                      {"pixels", regions(m.pixels)},
                      {"differing_pixels", m.differing ? Json(*m.differing) : Json(nullptr)},

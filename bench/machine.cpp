@@ -45,7 +45,8 @@ Machine this_machine(const runtime::DeviceInfo& device) {
   machine.system = fmt::format("{} {} {}", system.sysname, system.release, system.machine);
   machine.cpu = cpu_name(system.machine);
   machine.cores = std::thread::hardware_concurrency();
-  machine.memory_bytes = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
+  machine.memory_bytes =
+      static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
   double load = 0.0;
   if (getloadavg(&load, 1) == 1) machine.load = load;
   return machine;

@@ -45,15 +45,15 @@ const std::vector<Example>& examples() {
   return table;
 }
 
-bool is_animated(std::string_view example) { return example != "orange" && example != "mycoplasma" && example != "skull"; }
+bool is_animated(std::string_view example) {
+  return example != "orange" && example != "mycoplasma" && example != "skull";
+}
 
 /// In the order of the thesis' table 4.1.
 const std::vector<std::pair<std::string, ThesisFigures>>& thesis_table() {
   static const std::vector<std::pair<std::string, ThesisFigures>> table{
-      {"orange", {2008, 4.23, 3.25, 12, 139}},
-      {"skin", {1221, 10.23, 7.82, 13, 144}},
-      {"metaballs", {4000, 2.31, 0.81, 35, 158}},
-      {"sticks", {1000, 1.21, 1.48, 22, 146}},
+      {"orange", {2008, 4.23, 3.25, 12, 139}},          {"skin", {1221, 10.23, 7.82, 13, 144}},
+      {"metaballs", {4000, 2.31, 0.81, 35, 158}},       {"sticks", {1000, 1.21, 1.48, 22, 146}},
       {"metaballs_plus", {20000, 3.12, 0.57, 31, 147}},
   };
   return table;
@@ -145,8 +145,9 @@ class Planner {
 
 /// Displacement against resolution, for each way to store and to filter a grid.
 void Planner::boundaries() {
-  const std::vector<std::uint32_t> sizes = options_.quick ? std::vector<std::uint32_t>{16, 32, 64}
-                                                          : std::vector<std::uint32_t>{16, 24, 32, 48, 64, 96, 128, 192, 256};
+  const std::vector<std::uint32_t> sizes = options_.quick
+                                               ? std::vector<std::uint32_t>{16, 32, 64}
+                                               : std::vector<std::uint32_t>{16, 24, 32, 48, 64, 96, 128, 192, 256};
   std::vector<std::shared_ptr<const Shape>> shapes{std::make_shared<const Shape>(sphere(surface_points))};
   if (!options_.quick) shapes.push_back(std::make_shared<const Shape>(torus(surface_points)));
   for (const auto& shape : shapes) {
@@ -196,18 +197,20 @@ void Planner::growth(bool whole_range) {
   const bool quick = options_.quick;
   const std::vector<std::string> ours{"auto"};
   const std::vector<std::string> both = quick ? ours : std::vector<std::string>{"auto", "table"};
-  grow("objects", "objects", quick ? Values{100, 1000, 10000} : Values{100, 1000, 10000, 100000, 1000000}, ours, many_objects);
+  grow("objects", "objects", quick ? Values{100, 1000, 10000} : Values{100, 1000, 10000, 100000, 1000000}, ours,
+       many_objects);
   grow("tree depth", "decisions", quick ? Values{4, 16} : Values{1, 2, 4, 8, 16, 32, 64}, both,
        [](std::uint32_t depth) { return decision_tree(TreeForm::chain, Source::analytic, depth); });
   grow("embedding depth", "levels", quick ? Values{4, 16} : Values{1, 2, 4, 8, 16, 32, 64}, both, nested_objects);
   grow("atlas", "grids", quick ? Values{1, 8} : Values{1, 4, 16, 64}, ours,
        [](std::uint32_t count) { return many_grids(count, 64); });
-  const std::vector<glm::uvec2> sizes = quick ? std::vector<glm::uvec2>{{320, 180}, {1280, 720}}
-                                              : std::vector<glm::uvec2>{{160, 90}, {320, 180}, {640, 360}, {1280, 720}, {1920, 1080}, {2560, 1440}};
+  const std::vector<glm::uvec2> sizes =
+      quick ? std::vector<glm::uvec2>{{320, 180}, {1280, 720}}
+            : std::vector<glm::uvec2>{{160, 90}, {320, 180}, {640, 360}, {1280, 720}, {1920, 1080}, {2560, 1440}};
   for (const glm::uvec2& size : sizes) {
     const double pixels = static_cast<double>(size.x) * size.y;
-    Case& made = add("growth", "picture", "auto", Parameter{"pixels", pixels}, "picture",
-                     [] { return many_objects(1000); });
+    Case& made =
+        add("growth", "picture", "auto", Parameter{"pixels", pixels}, "picture", [] { return many_objects(1000); });
     made.id = fmt::format("growth/picture {}x{}/specialised", size.x, size.y);
     made.size_px = size;
     made.effort.builds = 1;
@@ -224,8 +227,8 @@ void Planner::growth(bool whole_range) {
 void Planner::code_forms() {
   for (const TreeForm form : {TreeForm::chain, TreeForm::full}) {
     for (const Source source : {Source::analytic, Source::grid}) {
-      const std::string series =
-          fmt::format("{} {}", form == TreeForm::chain ? "chain" : "tree", source == Source::grid ? "grids" : "analytic");
+      const std::string series = fmt::format("{} {}", form == TreeForm::chain ? "chain" : "tree",
+                                             source == Source::grid ? "grids" : "analytic");
       const std::vector<std::uint32_t> depths =
           form == TreeForm::full ? std::vector<std::uint32_t>{2, 4, 6} : std::vector<std::uint32_t>{6, 40};
       grow(series, form == TreeForm::full ? "levels" : "decisions", depths, {"specialised", "table"},
@@ -251,7 +254,8 @@ void Planner::speed() {
     return source;
   });
   lighten(floor);
-  for (const char* name : {"orange", "skin", "metaballs", "metaballs_plus", "sticks", "molecule", "virion", "mycoplasma"}) {
+  for (const char* name :
+       {"orange", "skin", "metaballs", "metaballs_plus", "sticks", "molecule", "virion", "mycoplasma"}) {
     if (!found(name)) continue;
     for (const std::string_view view : {"whole", "cut", "zoomed"}) {
       if (options_.quick && view != "cut") continue;
@@ -276,7 +280,9 @@ void Planner::speed() {
   }
   passes();
   const std::vector<std::string> ours{"auto"};
-  grow("objects", "objects", options_.quick ? std::vector<std::uint32_t>{100, 10000} : std::vector<std::uint32_t>{100, 1000, 10000, 100000, 1000000},
+  grow("objects", "objects",
+       options_.quick ? std::vector<std::uint32_t>{100, 10000}
+                      : std::vector<std::uint32_t>{100, 1000, 10000, 100000, 1000000},
        ours, many_objects);
   grow("large snippet", "operations", {8000}, {"auto", "no tapes", "no shorten-tapes"}, large_snippet);
   grow("embedding depth", "levels", {1, 4, 12}, ours, nested_objects);
@@ -284,7 +290,8 @@ void Planner::speed() {
        [](std::uint32_t depth) { return decision_tree(TreeForm::chain, Source::analytic, depth); });
 }
 
-/// Each pass of a frame, and those of the compiler that divide its work, switched off alone, where the camera swings and where time goes on.
+/// Each pass of a frame, and those of the compiler that divide its work, switched off alone, where the camera swings
+/// and where time goes on.
 void Planner::passes() {
   if (options_.quick) return;
   for (const char* name : {"orange", "skin", "molecule"}) {
@@ -297,7 +304,8 @@ void Planner::passes() {
       for (const auto& pass : runtime::frame_pass_names()) off.emplace_back(pass.name);
       off.insert(off.end(), {"stages", "sink-answers"});
       for (const std::string& pass : off) {
-        Case& made = add("passes", fmt::format("{}, {}", source.name, motion), motion, std::nullopt, source.name + ", passes", [source] { return source; });
+        Case& made = add("passes", fmt::format("{}, {}", source.name, motion), motion, std::nullopt,
+                         source.name + ", passes", [source] { return source; });
         lighten(made);
         if (pass.empty()) continue;
         made.variant = "no " + pass;
@@ -361,9 +369,7 @@ const std::vector<Variant>& variants() {
   return table;
 }
 
-const Variant& variant(const std::string& name) {
-  return *std::ranges::find(variants(), name, &Variant::name);
-}
+const Variant& variant(const std::string& name) { return *std::ranges::find(variants(), name, &Variant::name); }
 
 std::string name_of(Codegen codegen) {
   constexpr std::array names{"specialised", "table", "thesis", "auto"};
@@ -403,7 +409,9 @@ const std::vector<SetName>& set_names() {
       {"standard", "boundaries against resolution, samples, growth, and the orange and the sticks with every setting"},
       {"thesis", "the scenes of the thesis' table 4.1, beside its figures and its way of evaluating"},
       {"stress", "figures where float32, drivers and data structures are pushed, each with its bound"},
-      {"speed", "every example whole, cut and zoomed, against the table form and a frame of one colour; passes of a frame; growth"},
+      {"speed",
+       "every example whole, cut and zoomed, against the table form and a frame of one colour; passes of a frame; "
+       "growth"},
       {"growth", "growth to the limits, and the forms of code against each other"},
   };
   return names;

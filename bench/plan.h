@@ -32,8 +32,9 @@ struct Settings {
   compiler::Filter filter = compiler::Filter::hardware;
   std::uint32_t samples = 1;  ///< per pixel along each axis
   Motion motion = Motion::none;
-  bool verdicts = false;      ///< what can be proven between frames, is
-  bool surface_alone = false;  ///< the support mesh and the cuts, holding one region: what a frame takes if evaluating is free
+  bool verdicts = false;  ///< what can be proven between frames, is
+  bool surface_alone =
+      false;  ///< the support mesh and the cuts, holding one region: what a frame takes if evaluating is free
   std::vector<std::string> disabled_passes{};  ///< of compiler::pass_names() and runtime::frame_pass_names()
 };
 
@@ -57,13 +58,13 @@ struct Effort {
   std::uint32_t builds = 3;  ///< from text to the first picture, each from nothing
   std::uint32_t min_frames = 5;
   std::uint32_t max_frames = 25;
-  std::uint32_t settle_frames = 0;   ///< drawn before any is timed, while verdicts are found,
-  double settle_ms = 0.0;            ///< or for so long
-  double frames_ms = 1000.0;         ///< after which no further frame or probe is begun, once there are enough to tell
-  std::uint32_t probe_rounds = 5;    ///< of the cost of a point; 0: not measured
-  std::uint32_t points = 20000;      ///< compared with the reference, spread over the support mesh's box
+  std::uint32_t settle_frames = 0;  ///< drawn before any is timed, while verdicts are found,
+  double settle_ms = 0.0;           ///< or for so long
+  double frames_ms = 1000.0;        ///< after which no further frame or probe is begun, once there are enough to tell
+  std::uint32_t probe_rounds = 5;   ///< of the cost of a point; 0: not measured
+  std::uint32_t points = 20000;     ///< compared with the reference, spread over the support mesh's box
   glm::uvec2 error_size_px{320, 180};  ///< of the picture compared with the reference; 0: none
-  std::uint32_t truth_samples = 0;   ///< > 0: colours are compared with the mean of this many reference samples squared
+  std::uint32_t truth_samples = 0;  ///< > 0: colours are compared with the mean of this many reference samples squared
 };
 
 struct Parameter {
@@ -107,11 +108,11 @@ struct Plan {
 };
 
 struct PlanOptions {
-  std::string set = "standard";      ///< of set_names(); ignored if there are scenes
-  bool quick = false;                ///< fewer cases, less effort: some 30 s
-  std::string examples{};            ///< folder with orange/orange.voml and so on, assets made
-  std::vector<SceneSource> scenes{}; ///< of the user: measured with every setting that applies
-  glm::uvec2 size_px{640, 360};      ///< of the frames of `scenes`
+  std::string set = "standard";       ///< of set_names(); ignored if there are scenes
+  bool quick = false;                 ///< fewer cases, less effort: some 30 s
+  std::string examples{};             ///< folder with orange/orange.voml and so on, assets made
+  std::vector<SceneSource> scenes{};  ///< of the user: measured with every setting that applies
+  glm::uvec2 size_px{640, 360};       ///< of the frames of `scenes`
 };
 
 /// "standard", "thesis", "stress", "speed", "growth", each with a sentence.

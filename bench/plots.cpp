@@ -24,7 +24,9 @@ struct Line {
   std::vector<Mark> marks;
 };
 
-bool drawable(const Mark& mark) { return std::isfinite(mark.x) && std::isfinite(mark.y) && mark.x > 0.0 && mark.y > 0.0; }
+bool drawable(const Mark& mark) {
+  return std::isfinite(mark.x) && std::isfinite(mark.y) && mark.x > 0.0 && mark.y > 0.0;
+}
 
 std::string quoted(const std::string& text) {
   std::string result = "'";
@@ -46,7 +48,7 @@ std::string style(std::size_t i) {
 }
 
 /// Limits that leave room around the marks on a logarithmic axis.
-std::string range(const std::vector<Line>& lines, double Mark::* coordinate) {
+std::string range(const std::vector<Line>& lines, double Mark::*coordinate) {
   double lo = 1e300, hi = 0.0;
   for (const Line& line : lines) {
     for (const Mark& mark : line.marks) {
@@ -60,7 +62,7 @@ std::string range(const std::vector<Line>& lines, double Mark::* coordinate) {
 }
 
 /// Labels at some digits of each power of ten, the more the fewer powers there are; beyond a few gnuplot's own.
-std::string ticks(const char* axis, const std::vector<Line>& lines, double Mark::* coordinate) {
+std::string ticks(const char* axis, const std::vector<Line>& lines, double Mark::*coordinate) {
   double lo = 1e300, hi = 0.0;
   for (const Line& line : lines) {
     for (const Mark& mark : line.marks) {
@@ -100,7 +102,8 @@ std::string line_plot(const std::vector<Line>& lines, const std::string& x_ticks
 
 /// The lines of a section's series, one a variant, in the order of the measurements.
 template <class X, class Y>
-std::vector<Line> lines_of(const Report& report, const std::string& section, const std::string& series, X x_of, Y y_of) {
+std::vector<Line> lines_of(const Report& report, const std::string& section, const std::string& series, X x_of,
+                           Y y_of) {
   std::vector<Line> lines;
   for (const Measurement& m : report.measurements) {
     if (m.what.section != section || m.what.series != series || !m.failure.empty()) continue;
@@ -145,9 +148,13 @@ void convergence(const Report& report, std::vector<Plot>& plots) {
     if (lines.empty() || lines.front().marks.size() < 2) continue;
     const Mark& first = lines.front().marks.front();
     const double factor = first.y * first.x * first.x;
-    std::string script = axes(fmt::format("Boundary of a {}: error against resolution", shape), "samples of the grid along a side",
-                              "displacement RMS, object units (cube: -1..1)");
-    script += line_plot(lines, "set xtics (16, 32, 64, 128, 256)\n", fmt::format(", \\\n  {:.6g}/(x*x) with lines lc rgb '#999999' dt 2 lw 1.5 title 'h^2 (theory)', \\\n  0.0236/x with lines lc rgb '#999999' dt 3 lw 1.5 title '8 bits: 1.2 % of h at most'", 0.6 * factor));
+    std::string script = axes(fmt::format("Boundary of a {}: error against resolution", shape),
+                              "samples of the grid along a side", "displacement RMS, object units (cube: -1..1)");
+    script +=
+        line_plot(lines, "set xtics (16, 32, 64, 128, 256)\n",
+                  fmt::format(", \\\n  {:.6g}/(x*x) with lines lc rgb '#999999' dt 2 lw 1.5 title 'h^2 (theory)', \\\n "
+                              " 0.0236/x with lines lc rgb '#999999' dt 3 lw 1.5 title '8 bits: 1.2 % of h at most'",
+                              0.6 * factor));
     plots.push_back({"convergence_" + file_name(shape), script});
   }
 }
@@ -178,7 +185,8 @@ std::string with_front(const std::vector<Line>& lines, const std::string& label_
   for (std::size_t i = 0; i < lines.size(); ++i) {
     script += fmt::format(", \\\n  $line{} using 1:2 with points {} title {}", i, style(i), quoted(lines[i].title));
   }
-  return script + fmt::format(", \\\n  $front using 1:2:3 with labels offset 0.6,0.7 left font ',10' title {}\n", quoted(label_of_front));
+  return script + fmt::format(", \\\n  $front using 1:2:3 with labels offset 0.6,0.7 left font ',10' title {}\n",
+                              quoted(label_of_front));
 }
 
 void error_against_time(const Report& report, std::vector<Plot>& plots) {
@@ -186,18 +194,20 @@ void error_against_time(const Report& report, std::vector<Plot>& plots) {
   for (const std::string& shape : series_names(report, "boundary")) {
     const auto lines = with_default_named(lines_of(report, "boundary", shape, cost, rms));
     if (lines.empty()) continue;
-    plots.push_back({"error_time_" + file_name(shape),
-                     axes(fmt::format("Boundary of a {}: error against time", shape), "one evaluation, ns",
-                          "displacement RMS, object units") +
-                         "set format x '%g'\n" + with_front(lines, "label: samples a side")});
+    plots.push_back({"error_time_" + file_name(shape), axes(fmt::format("Boundary of a {}: error against time", shape),
+                                                            "one evaluation, ns", "displacement RMS, object units") +
+                                                           "set format x '%g'\n" +
+                                                           with_front(lines, "label: samples a side")});
   }
-  std::vector<Line> samples = lines_of(report, "samples", "samples", [](const Measurement& m) { return median(m.frame_ms); },
-                                       [](const Measurement& m) { return m.color_rmse.value_or(0.0); });
+  std::vector<Line> samples = lines_of(
+      report, "samples", "samples", [](const Measurement& m) { return median(m.frame_ms); },
+      [](const Measurement& m) { return m.color_rmse.value_or(0.0); });
   if (samples.empty()) return;
   samples.front().title = "n x n samples a pixel";
-  plots.push_back({"error_time_samples", axes("A slice through 1,000 objects: colour error against time", "frame of 192 x 192 pixels, ms",
-                                              "colour RMSE (0..1) to the converged picture") +
-                                             "set format x '%g'\nset format y '%g'\n" + with_front(samples, "label: n")});
+  plots.push_back(
+      {"error_time_samples", axes("A slice through 1,000 objects: colour error against time",
+                                  "frame of 192 x 192 pixels, ms", "colour RMSE (0..1) to the converged picture") +
+                                 "set format x '%g'\nset format y '%g'\n" + with_front(samples, "label: n")});
 }
 
 void growth(const Report& report, std::vector<Plot>& plots) {
@@ -215,8 +225,9 @@ void growth(const Report& report, std::vector<Plot>& plots) {
     const auto first = std::ranges::find_if(report.measurements, [&](const Measurement& m) {
       return m.what.section == "growth" && m.what.series == series && m.failure.empty();
     });
-    plots.push_back({"growth_" + file_name(series), axes(fmt::format("Growth: {}", series), first->what.parameter->name, "ms") +
-                                                        "set format x '%g'\nset format y '%g'\n" + line_plot(lines, ticks("x", lines, &Mark::x))});
+    plots.push_back({"growth_" + file_name(series),
+                     axes(fmt::format("Growth: {}", series), first->what.parameter->name, "ms") +
+                         "set format x '%g'\nset format y '%g'\n" + line_plot(lines, ticks("x", lines, &Mark::x))});
   }
 }
 
@@ -237,10 +248,13 @@ void settings_bars(const Report& report, std::vector<Plot>& plots) {
     std::string script = fmt::format(
         "set title {}\nset xlabel 'frame of {} x {} pixels, ms'\nset border 3\nset tics nomirror\nunset key\n"
         "set grid x lc rgb '#dddddd' lw 1\nset xrange [0:*]\nset yrange [{}:-0.7]\nset rmargin 24\n",
-        quoted(fmt::format("{}: frame time and wrong pixels by setting", scene)), size_px.x, size_px.y, static_cast<double>(count) - 0.3);
+        quoted(fmt::format("{}: frame time and wrong pixels by setting", scene)), size_px.x, size_px.y,
+        static_cast<double>(count) - 0.3);
     script += "$rows << EOD\n" + rows + "EOD\n";
-    script += "plot $rows using 2:1:(0):2:($1-0.35):($1+0.35):ytic(3) with boxxyerror fs solid 0.6 noborder lc rgb '#0072b2', \\\n"
-              "  $rows using 2:1:4 with labels left font ',10'\n";
+    script +=
+        "plot $rows using 2:1:(0):2:($1-0.35):($1+0.35):ytic(3) with boxxyerror fs solid 0.6 noborder lc rgb "
+        "'#0072b2', \\\n"
+        "  $rows using 2:1:4 with labels left font ',10'\n";
     plots.push_back({"settings_" + file_name(scene), script});
   }
 }

@@ -40,7 +40,8 @@ Result<bool> run_program(std::vector<std::string> words, std::vector<std::string
       posix_spawn(&process, words.front().c_str(), &files, nullptr, pointers(words).data(), pointers(variables).data());
   posix_spawn_file_actions_destroy(&files);
   if (error != 0) {
-    return fail(Fault::environment, fmt::format("cannot start '{}': {}", words.front(), std::generic_category().message(error)));
+    return fail(Fault::environment,
+                fmt::format("cannot start '{}': {}", words.front(), std::generic_category().message(error)));
   }
   int status = 0;
   while (waitpid(process, &status, 0) == -1 && errno == EINTR) continue;

@@ -33,8 +33,8 @@ struct Fit {
   std::string series;    ///< "sphere, r32f, hardware"
   std::string quantity;  ///< "displacement rms", ...
   std::string parameter;
-  double from = 0.0, to = 0.0;  ///< of the parameter
-  PowerLaw law{};               ///< quantity = factor * step^exponent, step = 2 / resolution for boundaries
+  double from = 0.0, to = 0.0;     ///< of the parameter
+  PowerLaw law{};                  ///< quantity = factor * step^exponent, step = 2 / resolution for boundaries
   std::optional<double> expected;  ///< exponent; empty: theory has none
   double tolerance = 0.0;
   std::string source;  ///< of the expectation

@@ -84,8 +84,7 @@ Result<Built> build(const SceneSource& source, const Settings& settings, Kernel 
   if (!program) return tl::unexpected(input_error(source.path, diagnostics));
   const auto made = timed(steps, "SPIR-V", [&] { return compiler::to_spirv(*program, kernel); });
   if (!made) return tl::unexpected(made.error());
-  auto evaluator =
-      timed(steps, "upload", [&] { return runtime::Evaluator::create(device, *program, nullptr); });
+  auto evaluator = timed(steps, "upload", [&] { return runtime::Evaluator::create(device, *program, nullptr); });
   if (!evaluator) return tl::unexpected(evaluator.error());
   if (view != nullptr) {
     runtime::Timings timings;
@@ -106,7 +105,8 @@ runtime::View view_of_frame(runtime::View view, Motion motion, std::size_t frame
     const double angle = std::sin(turn) * swing_deg * std::numbers::pi / 180.0;
     const glm::dvec3 axis = glm::normalize(view.camera.up), from_look = view.camera.eye - view.camera.look;
     const glm::dvec3 along = glm::dot(axis, from_look) * axis;  // Rodrigues' formula
-    view.camera.eye = view.camera.look + along + std::cos(angle) * (from_look - along) + std::sin(angle) * glm::cross(axis, from_look);
+    view.camera.eye = view.camera.look + along + std::cos(angle) * (from_look - along) +
+                      std::sin(angle) * glm::cross(axis, from_look);
   }
   return view;
 }
@@ -120,11 +120,13 @@ Result<void> measure_differing(runtime::Evaluator& evaluator, runtime::View view
   const auto anew = evaluator.render(view);
   if (!anew) return tl::unexpected(anew.error());
   result.differing = 0;
-  for (std::size_t i = 0; i < anew->regions.size(); ++i) *result.differing += anew->regions[i] != picture->regions[i] ? 1 : 0;
+  for (std::size_t i = 0; i < anew->regions.size(); ++i)
+    *result.differing += anew->regions[i] != picture->regions[i] ? 1 : 0;
   return {};
 }
 
-Result<void> time_frames(runtime::Evaluator& evaluator, const runtime::View& view, const Effort& effort, Measurement& result) {
+Result<void> time_frames(runtime::Evaluator& evaluator, const runtime::View& view, const Effort& effort,
+                         Measurement& result) {
   const Motion motion = result.what.settings.motion;
   std::size_t frame = 0;
   const auto draw = [&]() -> Result<runtime::Timings> {
@@ -161,7 +163,8 @@ Result<void> measure_pixels(runtime::Evaluator& evaluator, Truth& truth, const E
   view.want_regions = view.want_positions = true;
   const auto picture = evaluator.render(view);
   if (!picture) return tl::unexpected(picture.error());
-  const PixelErrors errors = compare_pixels(truth.at_positions(picture->positions, result.what.settings.filter), *picture);
+  const PixelErrors errors =
+      compare_pixels(truth.at_positions(picture->positions, result.what.settings.filter), *picture);
   result.pixels = errors.regions;
   result.color_rmse = errors.rmse;
   return {};
@@ -211,7 +214,8 @@ Result<void> time_points(runtime::Evaluator& evaluator, Truth& truth, const Effo
   std::vector<glm::dvec3> points;
   for (std::uint32_t i = 0; i < largest_batch; ++i) {
     const std::uint32_t turn = i / 512, row = turn % 32 * 16 + turn / 32;
-    points.push_back(frame.origin + static_cast<double>(i % 512) * frame.step_x + static_cast<double>(row) * frame.step_y);
+    points.push_back(frame.origin + static_cast<double>(i % 512) * frame.step_x +
+                     static_cast<double>(row) * frame.step_y);
   }
   const auto kernel_ms = [&](std::uint32_t count) -> Result<double> {
     runtime::Timings timings;

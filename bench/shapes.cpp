@@ -81,7 +81,8 @@ SceneSource grid_scene(const Shape& shape, std::uint32_t n) {
   SceneSource source;
   source.name = shape.name;
   source.path = "scene.voml";
-  source.files = memory_files({{"scene.voml", scene_text}, {"boundary.lxn", voml::write_lxn(sample_grid(n, shape.distance))}});
+  source.files =
+      memory_files({{"scene.voml", scene_text}, {"boundary.lxn", voml::write_lxn(sample_grid(n, shape.distance))}});
   source.slice = runtime::Plane{{0.0, 0.0, 1.0}, 0.05};
   return source;
 }

@@ -15,8 +15,11 @@ namespace {
 std::string text_of(const glm::dvec3& v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
 
 std::vector<std::string> command(const SceneSource& source, const StartOptions& options, const std::string& picture) {
-  std::vector<std::string> words{options.program, "render", source.path, "-o", picture, "--quiet", "--size",
-                                 fmt::format("{}x{}", options.size_px.x, options.size_px.y), "--time", fmt::format("{}", source.time_ms)};
+  std::vector<std::string> words{options.program, "render",
+                                 source.path,     "-o",
+                                 picture,         "--quiet",
+                                 "--size",        fmt::format("{}x{}", options.size_px.x, options.size_px.y),
+                                 "--time",        fmt::format("{}", source.time_ms)};
   const auto add = [&](const char* option, std::string value) {
     words.emplace_back(option);
     words.push_back(std::move(value));
@@ -25,8 +28,8 @@ std::vector<std::string> command(const SceneSource& source, const StartOptions& 
   if (!source.mesh_path.empty()) add("--mesh", source.mesh_path);
   for (const runtime::Plane& cut : source.cuts) add("--cut", fmt::format("{} {}", text_of(cut.normal), cut.d));
   if (const auto& camera = source.camera) {
-    add("--camera", fmt::format("eye {} look {} up {} fov {}", text_of(camera->eye), text_of(camera->look), text_of(camera->up),
-                                camera->fov_deg / source.zoom));
+    add("--camera", fmt::format("eye {} look {} up {} fov {}", text_of(camera->eye), text_of(camera->look),
+                                text_of(camera->up), camera->fov_deg / source.zoom));
   }
   return words;
 }
@@ -60,8 +63,10 @@ Starts measure_starts(const SceneSource& source, const StartOptions& options) {
     const TemporaryFolder caches;
     const auto once = [&](std::vector<double>& times) {
       const auto ms = timed(words, caches.path());
-      if (ms) times.push_back(*ms);
-      else starts.failure = fmt::format("'{}' failed", fmt::join(words, " "));
+      if (ms)
+        times.push_back(*ms);
+      else
+        starts.failure = fmt::format("'{}' failed", fmt::join(words, " "));
     };
     once(starts.cold_ms);
     if (i + 1 == options.cold) {

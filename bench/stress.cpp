@@ -97,10 +97,12 @@ class Runner {
     if (done_) done_(cases_.back());
   }
 
-  void at_most(std::string name, std::string what, double measured, double bound, std::string unit, std::string detail = {}) {
+  void at_most(std::string name, std::string what, double measured, double bound, std::string unit,
+               std::string detail = {}) {
     add({std::move(name), std::move(what), measured, bound, false, std::move(unit), std::move(detail)});
   }
-  void at_least(std::string name, std::string what, double measured, double bound, std::string unit, std::string detail = {}) {
+  void at_least(std::string name, std::string what, double measured, double bound, std::string unit,
+                std::string detail = {}) {
     add({std::move(name), std::move(what), measured, bound, true, std::move(unit), std::move(detail)});
   }
 
@@ -159,8 +161,8 @@ class Runner {
     if (expected.certain && tally.wrong++ == 0) tally.first_wrong = what;
   }
 
-  /// The two figures of most scenes. With `exact`, all that the points and placements go through is exact in float32: then
-  /// boundaries must agree as well.
+  /// The two figures of most scenes. With `exact`, all that the points and placements go through is exact in float32:
+  /// then boundaries must agree as well.
   void check(const std::string& name, const std::string& what, const StressScene& scene, const Points& points,
              double least_certain, bool exact = false, const std::vector<double>& times = {0.0}) {
     const Lowered made = lowered(scene);
@@ -212,7 +214,8 @@ class Runner {
 /// The first level that W0301 speaks of; levels + 1 if there is none.
 int warned_level(const std::string& messages, int levels) {
   const std::size_t at = messages.find("the object 'L");
-  return messages.find("W0301") == std::string::npos || at == std::string::npos ? levels + 1 : std::atoi(&messages[at + 13]);
+  return messages.find("W0301") == std::string::npos || at == std::string::npos ? levels + 1
+                                                                                : std::atoi(&messages[at + 13]);
 }
 
 void Runner::deep_chain_of(double scale, int levels, double least_warned) {
@@ -221,8 +224,7 @@ void Runner::deep_chain_of(double scale, int levels, double least_warned) {
   if (!made.module) return at_most(name, "a chain of embeddings", 1, 0, "refused scenes", made.messages);
 
   // Points near the middle of each level's object, in root coordinates.
-  const compiler::Affine outer = compiler::object_from_local(
-      {{0.1, 0.05, -0.1}, {10, 20, 30}, glm::dvec3(scale)});
+  const compiler::Affine outer = compiler::object_from_local({{0.1, 0.05, -0.1}, {10, 20, 30}, glm::dvec3(scale)});
   compiler::Affine root_from_level;
   Random random(11);
   const int each = options_.long_form ? 2000 : 100;
@@ -232,8 +234,8 @@ void Runner::deep_chain_of(double scale, int levels, double least_warned) {
     root_from_level = root_from_level * outer;
   }
   const Tally tally = compare(*made.module, points);
-  at_most(name + ": wrong", "points in the cube of every level of a chain, all forms of code", double(tally.wrong), 0, "points",
-          tally.first_wrong);
+  at_most(name + ": wrong", "points in the cube of every level of a chain, all forms of code", double(tally.wrong), 0,
+          "points", tally.first_wrong);
 
   // Where float32 gives up: the share of certain points of each level, against the level that is warned of.
   const compiler::Reference reference(*made.module);
@@ -247,9 +249,10 @@ void Runner::deep_chain_of(double scale, int levels, double least_warned) {
     if (level < warned) worst_before = std::min(worst_before, share);
     if (share >= 0.5) last_useful = level;
   }
-  at_least(name + ": unwarned", "levels before float32 is too coarse: the warned one's number", warned, least_warned, "levels");
-  at_least(name + ": certain before", "least share of certain points at a level that is not warned of", worst_before, 0.95,
-           "share", fmt::format("half of the points are certain down to level {}", last_useful));
+  at_least(name + ": unwarned", "levels before float32 is too coarse: the warned one's number", warned, least_warned,
+           "levels");
+  at_least(name + ": certain before", "least share of certain points at a level that is not warned of", worst_before,
+           0.95, "share", fmt::format("half of the points are certain down to level {}", last_useful));
 }
 
 void Runner::deep_chains() {
@@ -264,9 +267,10 @@ constexpr double zoomed_at[2] = {0.3127, 0.2131};
 
 /// Square tubes along z: cells of 2 * scale, |x| or |y| < 1/2 inside.
 StressScene zoom_scene(double scale) {
-  return one_sdf(fmt::format("type='tiling' scale='{0} {0} 2' translate='{1} {2} 0' function='true'>return max(abs(p.x), "
-                             "abs(p.y)) - 0.5;</SDF>",
-                             scale, zoomed_at[0], zoomed_at[1]));
+  return one_sdf(
+      fmt::format("type='tiling' scale='{0} {0} 2' translate='{1} {2} 0' function='true'>return max(abs(p.x), "
+                  "abs(p.y)) - 0.5;</SDF>",
+                  scale, zoomed_at[0], zoomed_at[1]));
 }
 
 void Runner::zooms() {
@@ -312,8 +316,10 @@ void Runner::zooms() {
     if (error < pixel) deepest = decade;
     if (error >= pixel) break;
   }
-  at_most("zoom: position", "how far off a surface point is where a camera comes near", worst_error * 0x1p24, 8.5, "2^-24", where);
-  at_least("zoom: decades", "zoom at which points are still off by less than a pixel of a picture 64 pixels wide", deepest, 4, "decades");
+  at_most("zoom: position", "how far off a surface point is where a camera comes near", worst_error * 0x1p24, 8.5,
+          "2^-24", where);
+  at_least("zoom: decades", "zoom at which points are still off by less than a pixel of a picture 64 pixels wide",
+           deepest, 4, "decades");
 }
 
 // ---- matrices ----
@@ -333,23 +339,28 @@ void Runner::matrices() {
   // 250 levels that turn and do not shrink: every frame's point is known in double.
   std::string chain;
   for (int i = 249; i >= 0; --i) {
-    chain += fmt::format("<OBJECT name='L{}'><REGION name='IN' type='color' rgb='1 0 0'>{}</REGION>{}</OBJECT>\n", i,
-                         i < 249 ? fmt::format("<EMBEDDED name='L{}' rotate='1.7 -2.9 7.3'/>", i + 1) : "",
-                         i == 249 ? "<SDF name='S' function='true'>return p.x + 0.3 * p.y;</SDF><REGION name='OUT' type='color' rgb='0 1 0'/>"
-                                    "<MAPPINGS><SDF name='S'><POSITIVE region='OUT'/><NEGATIVE region='IN'/></SDF></MAPPINGS>"
-                                  : "");
+    chain += fmt::format(
+        "<OBJECT name='L{}'><REGION name='IN' type='color' rgb='1 0 0'>{}</REGION>{}</OBJECT>\n", i,
+        i < 249 ? fmt::format("<EMBEDDED name='L{}' rotate='1.7 -2.9 7.3'/>", i + 1) : "",
+        i == 249
+            ? "<SDF name='S' function='true'>return p.x + 0.3 * p.y;</SDF><REGION name='OUT' type='color' rgb='0 1 0'/>"
+              "<MAPPINGS><SDF name='S'><POSITIVE region='OUT'/><NEGATIVE region='IN'/></SDF></MAPPINGS>"
+            : "");
   }
   check("matrices: 250 levels turned", "a chain of 250 rotations without scale", {"<MVV>" + chain + "</MVV>", {}},
         random_points(5, 500, 0.55), 0.9);
 
   for (const double scale : {1e-6, 1e-3, 1e3, 1e6}) {
     const double reach = std::min(1.0, 2.0 * scale);
-    check(fmt::format("matrices: scale {:g}", scale), "an SDF of that size, turned and mirrored",
-          one_sdf(fmt::format("function='true' scale='{0} -{0} {0}' rotate='20 30 40'>return length(p - vec3(0.1)) - 0.7;</SDF>", scale)),
-          random_points(6, 2000, reach), 0.99);
+    check(
+        fmt::format("matrices: scale {:g}", scale), "an SDF of that size, turned and mirrored",
+        one_sdf(fmt::format(
+            "function='true' scale='{0} -{0} {0}' rotate='20 30 40'>return length(p - vec3(0.1)) - 0.7;</SDF>", scale)),
+        random_points(6, 2000, reach), 0.99);
   }
   check("matrices: nearly singular", "an SDF a million times longer than thick",
-        one_sdf("function='true' scale='1000 1e-3 1' rotate='0 0 30'>return length(p) - 0.9;</SDF>"), random_points(7, 4000), 0.99);
+        one_sdf("function='true' scale='1000 1e-3 1' rotate='0 0 30'>return length(p) - 0.9;</SDF>"),
+        random_points(7, 4000), 0.99);
   refused("matrices: beyond float32", "a placement of which float32 cannot hold the matrix",
           one_sdf("function='true' scale='1e-37 1e-37 1e-37' rotate='1 2 3'>return length(p);</SDF>"), "E0306");
 }
@@ -371,8 +382,10 @@ void Runner::boundaries() {
   const std::string ball = lxn_of(16, [](glm::dvec3 p) { return glm::length(p) - 0.75; });
   check("boundaries: cube faces", "points on the faces of embedded cubes that touch",
         {"<MVV><OBJECT name='C'><REGION name='R' type='color' rgb='1 0 0'/></OBJECT><OBJECT name='D'><REGION name='R' "
-         "type='color' rgb='0 1 0'/></OBJECT><OBJECT name='A'><REGION name='R' type='color' rgb='0 0 1'><EMBEDDED name='C' "
-         "translate='-0.5 0 0' scale='0.5 0.5 0.25'/><EMBEDDED name='D' translate='0.5 0 0' scale='0.5 0.5 0.5'/><EMBEDDED "
+         "type='color' rgb='0 1 0'/></OBJECT><OBJECT name='A'><REGION name='R' type='color' rgb='0 0 1'><EMBEDDED "
+         "name='C' "
+         "translate='-0.5 0 0' scale='0.5 0.5 0.25'/><EMBEDDED name='D' translate='0.5 0 0' scale='0.5 0.5 "
+         "0.5'/><EMBEDDED "
          "name='C' rotate='0 90 0' scale='0.125 1 1'/></REGION></OBJECT></MVV>",
          {}},
         lattice(), 0, true);
@@ -382,26 +395,35 @@ void Runner::boundaries() {
   }
   check("boundaries: index cells", "seeds whose cubes fill space without a gap, points on the cells' borders",
         {"<MVV><OBJECT name='C'><REGION name='R' type='color' rgb='1 0 0'/></OBJECT><OBJECT name='A'><REGION name='R' "
-         "type='color' rgb='0 0 1'><INDEX size='8 8 8'><EMBEDDED name='C' seedFile='s.txt' scale='0.125 0.125 0.125'/></INDEX>"
+         "type='color' rgb='0 0 1'><INDEX size='8 8 8'><EMBEDDED name='C' seedFile='s.txt' scale='0.125 0.125 "
+         "0.125'/></INDEX>"
          "</REGION></OBJECT></MVV>",
          {{"s.txt", seeds}}},
         lattice(), 0, true);
   check("boundaries: tile seams", "points on the seams of a tiling",
-        one_sdf("type='tiling' scale='0.25 0.25 0.25' function='true'>return abs(p.x) - 0.5;</SDF>"), lattice(), 0, true);
+        one_sdf("type='tiling' scale='0.25 0.25 0.25' function='true'>return abs(p.x) - 0.5;</SDF>"), lattice(), 0,
+        true);
   check("boundaries: coplanar", "two SDFs that share a plane, points on it",
-        {"<MVV><OBJECT name='A'><SDF name='P' function='true'>return p.x - 0.25;</SDF><SDF name='Q' function='true' scale='0.5 "
-         "0.5 0.5' translate='0.25 0 0'>return -p.x;</SDF><REGION name='L' type='color' rgb='1 0 0'/><REGION name='M' type='color' "
-         "rgb='0 1 0'/><REGION name='R' type='color' rgb='0 0 1'/><MAPPINGS><SDF name='P'><NEGATIVE><SDF name='Q'><POSITIVE "
+        {"<MVV><OBJECT name='A'><SDF name='P' function='true'>return p.x - 0.25;</SDF><SDF name='Q' function='true' "
+         "scale='0.5 "
+         "0.5 0.5' translate='0.25 0 0'>return -p.x;</SDF><REGION name='L' type='color' rgb='1 0 0'/><REGION name='M' "
+         "type='color' "
+         "rgb='0 1 0'/><REGION name='R' type='color' rgb='0 0 1'/><MAPPINGS><SDF name='P'><NEGATIVE><SDF "
+         "name='Q'><POSITIVE "
          "region='L'/><NEGATIVE region='M'/></SDF></NEGATIVE><POSITIVE region='R'/></SDF></MAPPINGS></OBJECT></MVV>",
          {}},
         lattice(), 0, true);
   check("boundaries: zeros of grids", "points at samples that are zero, and between them",
-        one_sdf("file='g.lxn'/>", {{"g.lxn", lxn_of(8, [](glm::dvec3 p) { return p.x * p.y * p.z > 0 ? 0.0 : 1.0; })}}), lattice(), 0);
+        one_sdf("file='g.lxn'/>", {{"g.lxn", lxn_of(8, [](glm::dvec3 p) { return p.x * p.y * p.z > 0 ? 0.0 : 1.0; })}}),
+        lattice(), 0);
   // Two grids that fill an atlas, opposite signs: bleeding would show at once.
   check("boundaries: atlas borders", "points on the faces of grids that lie side by side in the atlas",
-        {"<MVV><OBJECT name='A'><SDF name='P' file='p.lxn'/><SDF name='Q' file='q.lxn'/><SDF name='B' file='b.lxn'/><REGION name='X' "
-         "type='color' rgb='1 0 0'/><REGION name='Y' type='color' rgb='0 1 0'/><MAPPINGS><SDF name='P'><NEGATIVE region='X'/><POSITIVE>"
-         "<SDF name='Q'><POSITIVE region='X'/><NEGATIVE><SDF name='B'><POSITIVE region='Y'/><NEGATIVE region='X'/></SDF></NEGATIVE></SDF>"
+        {"<MVV><OBJECT name='A'><SDF name='P' file='p.lxn'/><SDF name='Q' file='q.lxn'/><SDF name='B' "
+         "file='b.lxn'/><REGION name='X' "
+         "type='color' rgb='1 0 0'/><REGION name='Y' type='color' rgb='0 1 0'/><MAPPINGS><SDF name='P'><NEGATIVE "
+         "region='X'/><POSITIVE>"
+         "<SDF name='Q'><POSITIVE region='X'/><NEGATIVE><SDF name='B'><POSITIVE region='Y'/><NEGATIVE "
+         "region='X'/></SDF></NEGATIVE></SDF>"
          "</POSITIVE></SDF></MAPPINGS></OBJECT></MVV>",
          {{"p.lxn", lxn_of(5, [](glm::dvec3) { return 1.0; })},
           {"q.lxn", lxn_of(7, [](glm::dvec3) { return -1.0; })},
@@ -416,18 +438,21 @@ void Runner::values() {
     return one_sdf("file='g.lxn'/>", {{"g.lxn", lxn_of(12, f)}});
   };
   const Points points = random_points(21, 2000);
-  check("values: huge grid", "a grid of values up to 3e38", grid([](glm::dvec3 p) { return 3e38 * std::clamp(p.x, -1.0, 1.0); }),
-        points, 0.9);
-  check("values: denormal grid", "a grid of values around 1e-40", grid([](glm::dvec3 p) { return 1e-40 * p.x; }), points, 0);
-  check("values: flat grid", "a grid without gradient, exactly at zero", grid([](glm::dvec3) { return 0.0; }), points, 0);
+  check("values: huge grid", "a grid of values up to 3e38",
+        grid([](glm::dvec3 p) { return 3e38 * std::clamp(p.x, -1.0, 1.0); }), points, 0.9);
+  check("values: denormal grid", "a grid of values around 1e-40", grid([](glm::dvec3 p) { return 1e-40 * p.x; }),
+        points, 0);
+  check("values: flat grid", "a grid without gradient, exactly at zero", grid([](glm::dvec3) { return 0.0; }), points,
+        0);
   check("values: thin shell", "a shell one voxel wide in a grid",
         grid([](glm::dvec3 p) { return std::abs(glm::length(p) - 0.6) < 1.0 / 12.0 ? -1.0 : 1.0; }), points, 0.9);
   check("values: no distance", "a checkerboard of random values",
         grid([](glm::dvec3 p) { return std::sin(1e4 * p.x + 2e4 * p.y + 3e4 * p.z); }), points, 0.9);
-  check("values: steep", "values between -1e6 and 1e6 from sample to sample, threshold beside zero",
-        one_sdf("file='g.lxn' offset='1e-3'/>",
-                {{"g.lxn", lxn_of(12, [](glm::dvec3 p) { return 1e6 * std::sin(1e4 * p.x + 2e4 * p.y + 3e4 * p.z); })}}),
-        points, 0.9);
+  check(
+      "values: steep", "values between -1e6 and 1e6 from sample to sample, threshold beside zero",
+      one_sdf("file='g.lxn' offset='1e-3'/>",
+              {{"g.lxn", lxn_of(12, [](glm::dvec3 p) { return 1e6 * std::sin(1e4 * p.x + 2e4 * p.y + 3e4 * p.z); })}}),
+      points, 0.9);
 
   const std::pair<const char*, const char*> snippets[] = {
       {"NaN", "return sqrt(p.x);"},
@@ -447,7 +472,8 @@ void Runner::values() {
           one_sdf(fmt::format("function='true'><![CDATA[{}]]></SDF>", body)), points, 0);
   }
   check("values: time", "a scene that moves, from its start to a day later",
-        one_sdf("function='true'>float a = t * 0.002; return length(p - 0.4 * vec3(cos(a), sin(a), sin(5.0 * p.x + t / 300.0))) "
+        one_sdf("function='true'>float a = t * 0.002; return length(p - 0.4 * vec3(cos(a), sin(a), sin(5.0 * p.x + t / "
+                "300.0))) "
                 "- 0.3 - 0.1 * fract(t / 777.0);</SDF>"),
         points, 0.99, false, {0.0, 1.0, 3.6e6, 86399999.75, 86.4e6});
 }
@@ -469,16 +495,19 @@ void Runner::structures() {
   }
   check("structures: 46 returns", "a snippet of early returns",
         one_sdf(fmt::format("function='true'><![CDATA[{} return p.y;]]></SDF>", returns)), points, 0.9);
-  check("structures: 46 branches", "a snippet of nested branches",
-        one_sdf(fmt::format("function='true'><![CDATA[float d = p.y; {} d = p.z; {} return d;]]></SDF>", branches, ends)), points,
-        0.9);
+  check(
+      "structures: 46 branches", "a snippet of nested branches",
+      one_sdf(fmt::format("function='true'><![CDATA[float d = p.y; {} d = p.z; {} return d;]]></SDF>", branches, ends)),
+      points, 0.9);
   std::string objects, embedded;
   for (int i = 0; i < 100; ++i) {
     objects += fmt::format("<OBJECT name='O{0}'><REGION name='R' type='color' rgb='{1} 0 0'/></OBJECT>", i, i / 100.0);
     embedded += fmt::format("<EMBEDDED name='O{}' translate='{:.4f} 0 0' scale='0.01 1 1'/>", i, -0.99 + 0.02 * i);
   }
   check("structures: 100 objects", "a hundred different objects side by side in a region",
-        {"<MVV>" + objects + "<OBJECT name='A'><REGION name='R' type='color' rgb='0 0 1'>" + embedded + "</REGION></OBJECT></MVV>", {}},
+        {"<MVV>" + objects + "<OBJECT name='A'><REGION name='R' type='color' rgb='0 0 1'>" + embedded +
+             "</REGION></OBJECT></MVV>",
+         {}},
         points, 0.9);
   const int many = options_.long_form ? 1000000 : 100000;
   check(fmt::format("structures: {} seeds", many), "seeds of an analytic ball",
@@ -493,8 +522,10 @@ void Runner::structures() {
         random_points(32, 100), 0.9);
   check("structures: nothing", "empty regions, no seeds, an embedded object that is empty",
         {"<MVV><OBJECT name='E'><REGION name='R' type='empty'/></OBJECT><OBJECT name='A'><SDF name='S' type='seeding' "
-         "seedFile='s.txt' function='true'>return -1.0;</SDF><REGION name='IN' type='empty'/><REGION name='OUT' type='empty'>"
-         "<INDEX size='1 1 1'/><EMBEDDED name='E' seedFile='s.txt'/><EMBEDDED name='E' scale='0.5 0.5 0.5'/></REGION><MAPPINGS>"
+         "seedFile='s.txt' function='true'>return -1.0;</SDF><REGION name='IN' type='empty'/><REGION name='OUT' "
+         "type='empty'>"
+         "<INDEX size='1 1 1'/><EMBEDDED name='E' seedFile='s.txt'/><EMBEDDED name='E' scale='0.5 0.5 "
+         "0.5'/></REGION><MAPPINGS>"
          "<SDF name='S'><POSITIVE region='OUT'/><NEGATIVE region='IN'/></SDF></MAPPINGS></OBJECT></MVV>",
          {{"s.txt", ""}}},
         points, 0.9);
@@ -506,7 +537,8 @@ void Runner::structures() {
 std::string bytes_of(const compiler::Program& program) {
   std::string all = program.glsl[0] + program.glsl[1] + compiler::records_text(program);
   for (const auto& spirv : program.spirv) all.append(reinterpret_cast<const char*>(spirv.data()), 4 * spirv.size());
-  for (const auto& buffer : program.buffers) all.append(reinterpret_cast<const char*>(buffer.bytes.data()), buffer.bytes.size());
+  for (const auto& buffer : program.buffers)
+    all.append(reinterpret_cast<const char*>(buffer.bytes.data()), buffer.bytes.size());
   for (const auto& texture : program.textures) {
     all.append(reinterpret_cast<const char*>(texture.texels.data()), texture.texels.size());
   }
@@ -515,13 +547,15 @@ std::string bytes_of(const compiler::Program& program) {
 
 void Runner::determinism() {
   StressScene scene = deep_chain(5, 0.6);
-  scene.text.insert(scene.text.rfind("<OBJECT name='L0'"),
-                    "<OBJECT name='G'><SDF name='S' file='g.lxn' type='seeding' seedFile='s.txt' scale='0.2 0.3 0.2'/><REGION "
-                    "name='IN' type='color' rgb='1 1 0'/><REGION name='OUT' type='empty'/><MAPPINGS><SDF name='S'><POSITIVE "
-                    "region='OUT'/><NEGATIVE region='IN'/></SDF></MAPPINGS></OBJECT>");
+  scene.text.insert(
+      scene.text.rfind("<OBJECT name='L0'"),
+      "<OBJECT name='G'><SDF name='S' file='g.lxn' type='seeding' seedFile='s.txt' scale='0.2 0.3 0.2'/><REGION "
+      "name='IN' type='color' rgb='1 1 0'/><REGION name='OUT' type='empty'/><MAPPINGS><SDF name='S'><POSITIVE "
+      "region='OUT'/><NEGATIVE region='IN'/></SDF></MAPPINGS></OBJECT>");
   scene.text.replace(scene.text.rfind("</REGION>"), 0,
                      "<EMBEDDED name='G' seedFile='s.txt' scale='0.3 0.3 0.3' rotate='3 4 5'/>");
-  scene.files = {{"g.lxn", lxn_of(12, [](glm::dvec3 p) { return glm::length(p) - 0.7; })}, {"s.txt", seed_lines(200, 9, 0.4)}};
+  scene.files = {{"g.lxn", lxn_of(12, [](glm::dvec3 p) { return glm::length(p) - 0.7; })},
+                 {"s.txt", seed_lines(200, 9, 0.4)}};
   int different_bytes = 0, different_pixels = 0;
   std::string detail;
   for (const Form& form : forms()) {
@@ -561,9 +595,10 @@ void Runner::determinism() {
       pixels = picture->rgba;
     }
   }
-  at_most("determinism: programs", "compiled again, every byte of code, records and textures is the same", different_bytes, 0, "programs");
-  at_most("determinism: pictures", "drawn again, and with one thread and two, every value is the same", different_pixels, 0, "pictures",
-          detail);
+  at_most("determinism: programs", "compiled again, every byte of code, records and textures is the same",
+          different_bytes, 0, "programs");
+  at_most("determinism: pictures", "drawn again, and with one thread and two, every value is the same",
+          different_pixels, 0, "pictures", detail);
 }
 
 }  // namespace

@@ -36,9 +36,10 @@ StressScene deep_chain(int levels, double scale) {
   std::string text = "<MVV>\n";
   for (int i = levels - 1; i >= 0; --i) {
     const std::string inner =
-        i + 1 < levels ? fmt::format("<EMBEDDED name='L{0}' translate='0.1 0.05 -0.1' rotate='10 20 30' scale='{1} {1} {1}'/>",
-                                     i + 1, scale)
-                       : std::string();
+        i + 1 < levels
+            ? fmt::format("<EMBEDDED name='L{0}' translate='0.1 0.05 -0.1' rotate='10 20 30' scale='{1} {1} {1}'/>",
+                          i + 1, scale)
+            : std::string();
     text += fmt::format(
         "<OBJECT name='L{}'><SDF name='S' function='true'>return length(p) - 0.9;</SDF>"
         "<REGION name='IN' type='color' rgb='{} 0.5 0.2'>{}</REGION><REGION name='OUT' type='empty'/>"
@@ -59,13 +60,14 @@ StressScene deep_tree(int levels) {
   std::string sdfs, regions, open, close;
   for (int i = 0; i < levels; ++i) {
     // Slabs x < -1 + 2 (i + 1) / (levels + 1), each inside the next one's positive side.
-    sdfs += fmt::format("<SDF name='S{}' function='true'>return p.x - ({:.9f});</SDF>", i, -1.0 + 2.0 * (i + 1) / (levels + 1));
+    sdfs += fmt::format("<SDF name='S{}' function='true'>return p.x - ({:.9f});</SDF>", i,
+                        -1.0 + 2.0 * (i + 1) / (levels + 1));
     regions += fmt::format("<REGION name='R{}' type='color' rgb='{} 0 0'/>", i, static_cast<double>(i) / levels);
     open += fmt::format("<SDF name='S{0}'><NEGATIVE region='R{0}'/><POSITIVE>", i);
     close += "</POSITIVE></SDF>";
   }
-  return {"<MVV><OBJECT name='A'>" + sdfs + regions + "<REGION name='REST' type='color' rgb='0 1 0'/><MAPPINGS>" + open +
-              "<REGION name='REST'/>" + close + "</MAPPINGS></OBJECT></MVV>",
+  return {"<MVV><OBJECT name='A'>" + sdfs + regions + "<REGION name='REST' type='color' rgb='0 1 0'/><MAPPINGS>" +
+              open + "<REGION name='REST'/>" + close + "</MAPPINGS></OBJECT></MVV>",
           {}};
 }
 

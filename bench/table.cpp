@@ -51,13 +51,15 @@ std::string boundaries(const Report& report) {
                  fraction(m.pixels), number(m.color_rmse.value_or(nan)), number(median(m.point_ns)),
                  number(median(m.frame_ms))});
     }
-    text += heading(fmt::format("A {}: how far the drawn boundary lies from the true one (px: of a 512 px slice)", shape), table);
+    text += heading(
+        fmt::format("A {}: how far the drawn boundary lies from the true one (px: of a 512 px slice)", shape), table);
   }
   return text;
 }
 
 std::string fits(const Report& report) {
-  TextTable table({"series", "quantity", "against", "from", "to", "exponent", "expected", "holds"}, {"", "", "", "", "", "", "", ""});
+  TextTable table({"series", "quantity", "against", "from", "to", "exponent", "expected", "holds"},
+                  {"", "", "", "", "", "", "", ""});
   for (const Fit& fit : report.fits) {
     table.add({fit.series, fit.quantity, fit.parameter == "resolution" ? "step" : fit.parameter,
                fmt::format("{:.0f}", fit.from), fmt::format("{:.0f}", fit.to), fmt::format("{:.2f}", fit.law.exponent),
@@ -107,7 +109,8 @@ std::string scenes(const Report& report, const std::string& section) {
   return text;
 }
 
-const Measurement* find(const Report& report, const std::string& section, const std::string& series, const std::string& variant) {
+const Measurement* find(const Report& report, const std::string& section, const std::string& series,
+                        const std::string& variant) {
   for (const Measurement& m : report.measurements) {
     if (fine(m, section) && m.what.series == series && m.what.variant == variant) return &m;
   }
@@ -136,7 +139,8 @@ class GeometricMean {
 
 /// Ratios to the table form, and to a frame of one colour, in the same run.
 std::string speed(const Report& report) {
-  TextTable table({"scene, view", "table", "surface", "anew", "swings", "time", "table/", "table/", "swings/", "time/", "settle", "differ", "wrong"},
+  TextTable table({"scene, view", "table", "surface", "anew", "swings", "time", "table/", "table/", "swings/", "time/",
+                   "settle", "differ", "wrong"},
                   {"", "ms", "ms", "ms", "ms", "ms", "swings", "time", "floor", "floor", "s", "px", "px"});
   const double floor = frame_of(find(report, "speed", floor_series, "auto"));
   GeometricMean swings_gain, time_gain, limit;
@@ -153,17 +157,20 @@ std::string speed(const Report& report) {
     std::size_t differing = 0;
     for (const Measurement* m : {swings, time}) differing += m != nullptr ? m->differing.value_or(0) : 0;
     const auto or_dash = [](double value) { return std::isfinite(value) ? number(value) : std::string("-"); };
-    table.add({series, or_dash(base), or_dash(surface), or_dash(frame_of(anew)), or_dash(frame_of(swings)), or_dash(frame_of(time)),
-               or_dash(base / frame_of(swings)), or_dash(base / frame_of(time)), or_dash(frame_of(swings) / floor),
-               or_dash(frame_of(time) / floor),
+    table.add({series, or_dash(base), or_dash(surface), or_dash(frame_of(anew)), or_dash(frame_of(swings)),
+               or_dash(frame_of(time)), or_dash(base / frame_of(swings)), or_dash(base / frame_of(time)),
+               or_dash(frame_of(swings) / floor), or_dash(frame_of(time) / floor),
                swings != nullptr ? number(1e-3 * swings->settle_ms) : "-", fmt::format("{}", differing),
                anew != nullptr ? fraction(anew->pixels) : "-"});
   }
-  return heading("Speed (1280x720): the camera swings, or time goes on; against the table form and a frame of one colour", table,
-                 fmt::format("  floor: a frame of one colour, {} ms. Geometric means: table/swings {}, table/time {}, table/surface {}.\n"
-                             "  surface: mesh and cuts with a scene of one region, the limit of swings. anew: without verdicts, nothing kept. settle: frames while\n"
-                             "  verdicts are found. differ: regions that are others with all passes of a frame off.\n",
-                             number(floor), swings_gain.text(), time_gain.text(), limit.text()));
+  return heading(
+      "Speed (1280x720): the camera swings, or time goes on; against the table form and a frame of one colour", table,
+      fmt::format(
+          "  floor: a frame of one colour, {} ms. Geometric means: table/swings {}, table/time {}, table/surface {}.\n"
+          "  surface: mesh and cuts with a scene of one region, the limit of swings. anew: without verdicts, nothing "
+          "kept. settle: frames while\n"
+          "  verdicts are found. differ: regions that are others with all passes of a frame off.\n",
+          number(floor), swings_gain.text(), time_gain.text(), limit.text()));
 }
 
 std::string starts(const Report& report) {
@@ -173,7 +180,8 @@ std::string starts(const Report& report) {
     table.add({s.scene, number(median(s.cold_ms)), number(quantile(s.cold_ms, 0.95)), number(median(s.warm_ms)),
                number(quantile(s.warm_ms, 0.95))});
   }
-  return heading("Starts (1280x720): `dmvv render` from its start to its end, with empty caches and with its own", table);
+  return heading("Starts (1280x720): `dmvv render` from its start to its end, with empty caches and with its own",
+                 table);
 }
 
 /// What each pass of a frame saves.
@@ -198,22 +206,28 @@ std::string thesis(const Report& report) {
       if (!fine(m, "thesis") || m.what.series != scene) continue;
       figures = &*m.what.thesis;
       table.add({fmt::format("{}, {}", scene, m.what.variant), fmt::format("{}", m.statistics.candidates),
-                 number(1e-3 * m.build_ms()), number(1e3 / median(m.frame_ms)), fraction(m.points), fraction(m.pixels)});
+                 number(1e-3 * m.build_ms()), number(1e3 / median(m.frame_ms)), fraction(m.points),
+                 fraction(m.pixels)});
     }
     const std::string objects = fmt::format("{}", figures->objects);
-    table.add({"  as published, laptop", objects, number(figures->build_s_laptop), number(figures->fps_laptop), "-", "-"});
-    table.add({"  as published, desktop", objects, number(figures->build_s_desktop), number(figures->fps_desktop), "-", "-"});
+    table.add(
+        {"  as published, laptop", objects, number(figures->build_s_laptop), number(figures->fps_laptop), "-", "-"});
+    table.add(
+        {"  as published, desktop", objects, number(figures->build_s_desktop), number(figures->fps_desktop), "-", "-"});
   }
-  return heading("Table 4.1 of the thesis: ours (specialised, table, its way: thesis) and as published", table,
-                 "  Published on: GeForce GT 540M, i7-2670QM (laptop); GTX TITAN, i7 960 (desktop); frame size unknown,\n"
-                 "  moving camera. Its scenes were not published; ours have their structure. Our fps: each frame is drawn and evaluated anew.\n");
+  return heading(
+      "Table 4.1 of the thesis: ours (specialised, table, its way: thesis) and as published", table,
+      "  Published on: GeForce GT 540M, i7-2670QM (laptop); GTX TITAN, i7 960 (desktop); frame size unknown,\n"
+      "  moving camera. Its scenes were not published; ours have their structure. Our fps: each frame is drawn and "
+      "evaluated anew.\n");
 }
 
 std::string stress(const Report& report) {
   TextTable table({"stress case", "measured", "bound", "unit", "held"}, {"", "", "", "", ""});
   std::string details;
   for (const StressFigure& f : report.stress) {
-    table.add({f.name, number(f.measured), (f.at_least ? ">= " : "<= ") + number(f.bound), f.unit, f.held ? "yes" : "NO"});
+    table.add(
+        {f.name, number(f.measured), (f.at_least ? ">= " : "<= ") + number(f.bound), f.unit, f.held ? "yes" : "NO"});
     if (!f.held && !f.detail.empty()) details += fmt::format("  {}: {}\n", f.name, f.detail);
   }
   return heading("Stress: figures that have a bound", table, details);
@@ -235,8 +249,9 @@ std::string failures(const Report& report) {
 
 std::string to_table(const Report& report) {
   const Machine& m = report.machine;
-  std::string text = fmt::format("dmvv {}, {}{}\n{}, {}\n{}, {} cores, load {:.2f}; {}, glslang {}\n\n", m.dmvv, report.set, report.quick ? " (quick)" : "", m.device, m.driver,
-                                 m.cpu, m.cores, m.load, m.compiler, m.glslang);
+  std::string text =
+      fmt::format("dmvv {}, {}{}\n{}, {}\n{}, {} cores, load {:.2f}; {}, glslang {}\n\n", m.dmvv, report.set,
+                  report.quick ? " (quick)" : "", m.device, m.driver, m.cpu, m.cores, m.load, m.compiler, m.glslang);
   text += boundaries(report);
   text += samples(report);
   text += growth(report);
@@ -248,9 +263,10 @@ std::string to_table(const Report& report) {
   text += passes(report);
   text += fits(report);
   text += failures(report);
-  text += "0 is exactly none. Wrong: share of the reference's certain answers that the device contradicts;\n"
-          "unsure: share that it is not certain of. p95, gpu: of the frames. point: one evaluation.\n"
-          "peak: memory beyond what was there before.\n";
+  text +=
+      "0 is exactly none. Wrong: share of the reference's certain answers that the device contradicts;\n"
+      "unsure: share that it is not certain of. p95, gpu: of the frames. point: one evaluation.\n"
+      "peak: memory beyond what was there before.\n";
   return text;
 }
 

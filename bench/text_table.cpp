@@ -16,7 +16,8 @@ std::string TextTable::text() const {
   std::vector<std::size_t> widths(head_.front().size(), 0);
   for (const auto* part : {&head_, &rows_}) {
     for (const auto& row : *part) {
-      for (std::size_t i = 0; i < std::min(row.size(), widths.size()); ++i) widths[i] = std::max(widths[i], row[i].size());
+      for (std::size_t i = 0; i < std::min(row.size(), widths.size()); ++i)
+        widths[i] = std::max(widths[i], row[i].size());
     }
   }
   std::string text;

@@ -103,8 +103,9 @@ const Answers& Truth::at_points(std::size_t count, compiler::Filter filter) {
 
 const Answers& Truth::at_positions(const std::vector<glm::vec3>& positions, compiler::Filter filter) {
   Known& of_filter = known(filter);
-  const bool same = of_filter.positions.size() == positions.size() &&
-                    std::memcmp(of_filter.positions.data(), positions.data(), positions.size() * sizeof(glm::vec3)) == 0;
+  const bool same =
+      of_filter.positions.size() == positions.size() &&
+      std::memcmp(of_filter.positions.data(), positions.data(), positions.size() * sizeof(glm::vec3)) == 0;
   if (!same) {
     of_filter.positions = positions;
     of_filter.at_positions = ask(std::vector<glm::dvec3>(positions.begin(), positions.end()), filter);
@@ -128,7 +129,8 @@ const std::vector<glm::dvec4>& Truth::mean_colors(const runtime::Plane& slice, g
       glm::dvec3 premultiplied(0.0);
       double alpha = 0.0;
       for (std::uint32_t k = 0; k < samples * samples; ++k) {
-        const glm::dvec4& rgba = answers[std::size_t{k / samples} * samples * size_px.x + x * samples + k % samples].rgba;
+        const glm::dvec4& rgba =
+            answers[std::size_t{k / samples} * samples * size_px.x + x * samples + k % samples].rgba;
         premultiplied += glm::dvec3(rgba) * rgba.a;
         alpha += rgba.a;
       }
@@ -162,7 +164,8 @@ PixelErrors compare_pixels(const Answers& truth, const runtime::Picture& picture
       squares += difference * difference;
     }
   }
-  if (errors.regions.compared != 0) errors.rmse = std::sqrt(squares / (3.0 * static_cast<double>(errors.regions.compared)));
+  if (errors.regions.compared != 0)
+    errors.rmse = std::sqrt(squares / (3.0 * static_cast<double>(errors.regions.compared)));
   return errors;
 }
 

@@ -15,8 +15,8 @@ namespace dmvv::bench {
 
 using Answers = std::vector<compiler::ReferenceAnswer>;
 
-/// Answers are those of the scene as it is written, its grids in float32, between their samples as the filter says: what
-/// a texel format or a form of code changes, is wrong.
+/// Answers are those of the scene as it is written, its grids in float32, between their samples as the filter says:
+/// what a texel format or a form of code changes, is wrong.
 class Truth {
  public:
   /// Reads the scene and its mesh. Errors: input, with the first diagnostics.

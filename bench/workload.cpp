@@ -26,8 +26,8 @@ SceneSource in_memory(std::string name, const std::string& objects, Files files 
 
 std::string region(const std::string& name, std::uint32_t i, const std::string& content = {}) {
   const auto channel = [&](double step) { return 0.25 + 0.75 * std::fmod(0.17 + step * i, 1.0); };
-  return fmt::format("<REGION name=\"{}\" type=\"color\" rgb=\"{:.3f} {:.3f} {:.3f}\">{}</REGION>\n", name, channel(0.618),
-                     channel(0.382), channel(0.272), content);
+  return fmt::format("<REGION name=\"{}\" type=\"color\" rgb=\"{:.3f} {:.3f} {:.3f}\">{}</REGION>\n", name,
+                     channel(0.618), channel(0.382), channel(0.272), content);
 }
 
 std::string reference(const std::string& region) { return fmt::format("<REGION name=\"{}\"/>", region); }
@@ -37,8 +37,8 @@ std::string decision(const std::string& sdf, const std::string& positive, const 
 }
 
 std::string object(const std::string& name, const std::string& definitions, const std::string& tree) {
-  return fmt::format("<OBJECT name=\"{}\">\n{}<MAPPINGS name=\"{}\">{}</MAPPINGS>\n</OBJECT>\n", name, definitions, name,
-                     tree);
+  return fmt::format("<OBJECT name=\"{}\">\n{}<MAPPINGS name=\"{}\">{}</MAPPINGS>\n</OBJECT>\n", name, definitions,
+                     name, tree);
 }
 
 std::string analytic(const std::string& name, const std::string& body) {
@@ -63,7 +63,8 @@ std::vector<glm::dvec3> places(std::uint32_t count) {
 
 std::string seed_text(const std::vector<glm::dvec3>& seeds) {
   std::string text;
-  for (const glm::dvec3& seed : seeds) fmt::format_to(std::back_inserter(text), "{:.7f} {:.7f} {:.7f}\n", seed.x, seed.y, seed.z);
+  for (const glm::dvec3& seed : seeds)
+    fmt::format_to(std::back_inserter(text), "{:.7f} {:.7f} {:.7f}\n", seed.x, seed.y, seed.z);
   return text;
 }
 
@@ -78,10 +79,11 @@ std::string embedded(const std::string& object, const glm::dvec3& translate, dou
 
 SceneSource many_objects(std::uint32_t count) {
   const double cell = 2.0 / std::ceil(std::cbrt(count));
-  const std::string ball = object("BALL", analytic("SKIN", "length(p) - 0.95") + analytic("CORE", "length(p) - 0.6") +
-                                              "<REGION name=\"OUT\" type=\"empty\"/>\n" + region("SHELL", 1) +
-                                              region("HEART", 2),
-                                  decision("SKIN", reference("OUT"), decision("CORE", reference("SHELL"), reference("HEART"))));
+  const std::string ball =
+      object("BALL",
+             analytic("SKIN", "length(p) - 0.95") + analytic("CORE", "length(p) - 0.6") +
+                 "<REGION name=\"OUT\" type=\"empty\"/>\n" + region("SHELL", 1) + region("HEART", 2),
+             decision("SKIN", reference("OUT"), decision("CORE", reference("SHELL"), reference("HEART"))));
   const std::string seeds =
       fmt::format("<EMBEDDED name=\"BALL\" seedFile=\"seeds.txt\" scale=\"{}\"/>", scale_text(0.44 * cell));
   return in_memory("objects", ball + object("CUBE", region("GROUND", 3, seeds), reference("GROUND")),
@@ -91,7 +93,8 @@ SceneSource many_objects(std::uint32_t count) {
 SceneSource decision_tree(TreeForm form, Source source, std::uint32_t depth) {
   std::string definitions, tree;
   Files files;
-  const auto define = [&](const std::string& name, const std::string& glsl, const std::function<double(const glm::dvec3&)>& f) {
+  const auto define = [&](const std::string& name, const std::string& glsl,
+                          const std::function<double(const glm::dvec3&)>& f) {
     if (source == Source::analytic) {
       definitions += analytic(name, glsl);
     } else {
@@ -108,7 +111,8 @@ SceneSource decision_tree(TreeForm form, Source source, std::uint32_t depth) {
     }
     definitions += region("INNERMOST", depth);
     tree = reference("INNERMOST");
-    for (std::uint32_t i = depth; i-- > 0;) tree = decision(fmt::format("S{}", i), reference(fmt::format("R{}", i)), tree);
+    for (std::uint32_t i = depth; i-- > 0;)
+      tree = decision(fmt::format("S{}", i), reference(fmt::format("R{}", i)), tree);
   } else {
     // Node n of a heap; level k halves the cube along axis k % 3, slightly curved so that no two nodes are equal.
     const std::uint32_t nodes = (1u << depth) - 1;
@@ -117,7 +121,8 @@ SceneSource decision_tree(TreeForm form, Source source, std::uint32_t depth) {
       const int axis = static_cast<int>(level % 3);
       const double bend = 0.3 + 0.01 * n, shift = 0.2 * std::sin(n);
       define(fmt::format("S{}", n),
-             fmt::format("0.8 * (p.{} - {:.6f} - 0.1 * sin({:.6f} * p.{}))", "xyz"[axis], shift, bend, "xyz"[(axis + 1) % 3]),
+             fmt::format("0.8 * (p.{} - {:.6f} - 0.1 * sin({:.6f} * p.{}))", "xyz"[axis], shift, bend,
+                         "xyz"[(axis + 1) % 3]),
              [=](const glm::dvec3& p) { return 0.8 * (p[axis] - shift - 0.1 * std::sin(bend * p[(axis + 1) % 3])); });
     }
     std::vector<std::string> trees(2 * nodes + 2);
@@ -125,18 +130,20 @@ SceneSource decision_tree(TreeForm form, Source source, std::uint32_t depth) {
       definitions += region(fmt::format("R{}", n), n);
       trees[n] = reference(fmt::format("R{}", n));
     }
-    for (std::uint32_t n = nodes; n >= 1; --n) trees[n] = decision(fmt::format("S{}", n), trees[2 * n], trees[2 * n + 1]);
+    for (std::uint32_t n = nodes; n >= 1; --n)
+      trees[n] = decision(fmt::format("S{}", n), trees[2 * n], trees[2 * n + 1]);
     tree = trees[1];
   }
-  return in_memory(fmt::format("{} {}", form == TreeForm::chain ? "chain" : "tree", source == Source::grid ? "grids" : "analytic"),
-                   object("BODY", definitions, tree), std::move(files));
+  return in_memory(
+      fmt::format("{} {}", form == TreeForm::chain ? "chain" : "tree", source == Source::grid ? "grids" : "analytic"),
+      object("BODY", definitions, tree), std::move(files));
 }
 
 SceneSource nested_objects(std::uint32_t depth) {
   std::string objects, inner;
   for (std::uint32_t i = depth; i-- > 0;) {
-    const std::string definitions = analytic("SKIN", "length(p) - 0.98") + "<REGION name=\"OUT\" type=\"empty\"/>\n" +
-                                    region("BODY", i, inner);
+    const std::string definitions =
+        analytic("SKIN", "length(p) - 0.98") + "<REGION name=\"OUT\" type=\"empty\"/>\n" + region("BODY", i, inner);
     objects += object(fmt::format("O{}", i), definitions, decision("SKIN", reference("OUT"), reference("BODY")));
     inner = embedded(fmt::format("O{}", i), {0.01, 0.005, 0.0}, 0.97);
   }
@@ -158,7 +165,8 @@ SceneSource many_grids(std::uint32_t count, std::uint32_t n) {
     objects += object(fmt::format("O{}", i), definitions, decision("SKIN", reference("OUT"), reference("BODY")));
     all += embedded(fmt::format("O{}", i), 2.0 * where[i], scale);
   }
-  return in_memory("grids", objects + object("CUBE", region("GROUND", count, all), reference("GROUND")), std::move(files));
+  return in_memory("grids", objects + object("CUBE", region("GROUND", count, all), reference("GROUND")),
+                   std::move(files));
 }
 
 namespace {
@@ -171,10 +179,14 @@ struct Strokes {
 
 Strokes strokes_of_text(std::uint32_t count) {
   // Strokes of each letter: x and y of both ends, on 3 x 5 points.
-  static const std::vector<std::vector<std::string>> letters{
-      {"0004", "0414", "1423", "2321", "2110", "1000"}, {"1014"}, {"2404", "0402", "0222", "2220", "2000"},  // DIS
-      {"0424", "1014"}, {"0004", "0424", "2420", "0222"}, {"0004", "0420", "2024"},                          // TAN
-      {"2404", "0400", "0020"}, {"2404", "0400", "0020", "0212"}};                                           // CE
+  static const std::vector<std::vector<std::string>> letters{{"0004", "0414", "1423", "2321", "2110", "1000"},
+                                                             {"1014"},
+                                                             {"2404", "0402", "0222", "2220", "2000"},  // DIS
+                                                             {"0424", "1014"},
+                                                             {"0004", "0424", "2420", "0222"},
+                                                             {"0004", "0420", "2024"},  // TAN
+                                                             {"2404", "0400", "0020"},
+                                                             {"2404", "0400", "0020", "0212"}};  // CE
   constexpr std::uint32_t strokes_a_word = 28, letters_a_line = 16, words_a_line = 2;
   const std::uint32_t lines = (count - 1) / (words_a_line * strokes_a_word) + 1;
   const glm::dvec2 cell(1.9 / letters_a_line, 1.9 / lines);
@@ -194,8 +206,8 @@ Strokes strokes_of_text(std::uint32_t count) {
 /// Text as paper and ink, seen from the front.
 SceneSource page(const std::string& name, const std::string& body) {
   const std::string text = "<SDF name=\"TEXT\" function=\"true\"><![CDATA[" + body + "]]></SDF>\n";
-  SceneSource source = in_memory(
-      name, object("PAGE", text + region("PAPER", 3) + region("INK", 7), decision("TEXT", reference("PAPER"), reference("INK"))));
+  SceneSource source = in_memory(name, object("PAGE", text + region("PAPER", 3) + region("INK", 7),
+                                              decision("TEXT", reference("PAPER"), reference("INK"))));
   source.slice = runtime::Plane{{0.0, 0.0, 1.0}, 0.0};
   return source;
 }
@@ -226,7 +238,8 @@ std::string expression_text(std::uint32_t operations) {
   };
   const std::string x = operation("p.x"), y = operation("p.y");
   std::string d = operation("4.0");
-  const std::uint32_t stroke_count = operations > operations_before ? (operations - operations_before) / operations_a_stroke : 0;
+  const std::uint32_t stroke_count =
+      operations > operations_before ? (operations - operations_before) / operations_a_stroke : 0;
   if (stroke_count != 0) {
     const Strokes strokes = strokes_of_text(stroke_count);
     double i = 0.0;

@@ -8,14 +8,15 @@
 
 namespace dmvv::bench {
 
-/// One cube with `count` analytic balls of two regions, embedded by seeds at even density: some 30 % of the cube is ball.
+/// One cube with `count` analytic balls of two regions, embedded by seeds at even density: some 30 % of the cube is
+/// ball.
 SceneSource many_objects(std::uint32_t count);
 
 enum class Source { analytic, grid };
 enum class TreeForm { chain, full };
 
-/// One object whose tree is a chain of `depth` decisions (concentric shells; the innermost is reached through all), or a
-/// full tree of `depth` levels (planes of alternating axes; 2^depth leaves).
+/// One object whose tree is a chain of `depth` decisions (concentric shells; the innermost is reached through all), or
+/// a full tree of `depth` levels (planes of alternating axes; 2^depth leaves).
 SceneSource decision_tree(TreeForm form, Source source, std::uint32_t depth);
 
 /// `depth` objects, each a ball in the one before it.
@@ -28,10 +29,10 @@ SceneSource many_grids(std::uint32_t count, std::uint32_t n);
 /// unions. To be looked at as a slice, which is set.
 SceneSource large_snippet(std::uint32_t operations);
 
-/// The body of a distance function of exactly `operations` operations (3 or more), each a statement on a line of its own
-/// that gives a new name to what a sum, product, minimum or maximum of earlier ones is: lines of text, each stroke of a
-/// letter the intersection of four half planes. So the field writes its benchmarks of implicit surfaces (Keeter 2020:
-/// "prospero", 7,866 operations).
+/// The body of a distance function of exactly `operations` operations (3 or more), each a statement on a line of its
+/// own that gives a new name to what a sum, product, minimum or maximum of earlier ones is: lines of text, each stroke
+/// of a letter the intersection of four half planes. So the field writes its benchmarks of implicit surfaces (Keeter
+/// 2020: "prospero", 7,866 operations).
 std::string expression_text(std::uint32_t operations);
 /// One boundary with that body. To be looked at as a slice, which is set.
 SceneSource expression(std::uint32_t operations);

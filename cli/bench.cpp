@@ -115,7 +115,8 @@ void write_plots(const BenchOptions& options, const std::string& gnuplot, const 
 /// measured, in which the cases that were not begun say so.
 class GrowingReport {
  public:
-  GrowingReport(const BenchOptions& options, std::vector<bench::Case> cases) : options_(options), cases_(std::move(cases)) {}
+  GrowingReport(const BenchOptions& options, std::vector<bench::Case> cases)
+      : options_(options), cases_(std::move(cases)) {}
 
   bench::Report& report() { return report_; }
   /// The number of the last case that was begun.
@@ -202,7 +203,9 @@ int bench_command(const BenchOptions& options, Context& context) {
     std::size_t step = 0;
     BenchProgress progress(plan.cases.size() + plan.starts.size() + (stresses ? 1 : 0), context.quiet);
     bench::RunOptions run;
-    run.budget_s = options.quick ? quick_budget_s : options.scenes.empty() && options.set == "standard" ? budget_s : 0.0;
+    run.budget_s = options.quick                                         ? quick_budget_s
+                   : options.scenes.empty() && options.set == "standard" ? budget_s
+                                                                         : 0.0;
     run.progress = [&](const bench::Case& next) {
       progress.begin(++step, next.id);
       growing.begin(step);
@@ -253,16 +256,23 @@ void add_bench(CLI::App& app, Invocation& invocation) {
   command.add_option("--json", options->json, "Write every figure and sample: .json")->type_name("FILE");
   command.add_option("--plots", options->plots, "Draw plots into a folder (needs gnuplot)")->type_name("DIR");
   command.add_option("--plot-format", options->plot_format, "svg (default) or png")->type_name("FORMAT");
-  command.add_option("--examples", options->examples, "Folder of the built examples; default: build/examples of this program")
+  command
+      .add_option("--examples", options->examples,
+                  "Folder of the built examples; default: build/examples of this program")
       ->type_name("DIR");
-  command.add_option("--mesh", options->view.mesh, "Support mesh of the scenes given; default: the standard cube")->type_name("FILE");
+  command.add_option("--mesh", options->view.mesh, "Support mesh of the scenes given; default: the standard cube")
+      ->type_name("FILE");
   command.add_option("--cut", options->view.cuts, "\"NX NY NZ D\" takes away n.x > D of the scenes given (repeatable)")
       ->type_name("PLANE")
       ->allow_extra_args(false);
-  command.add_option("--camera", options->view.camera, "\"eye X Y Z look X Y Z fov DEGREES\" of the scenes given")->type_name("TEXT");
-  command.add_option("--size", options->view.size, "Timed frames of the scenes given; default 640x360")->type_name("WxH");
+  command.add_option("--camera", options->view.camera, "\"eye X Y Z look X Y Z fov DEGREES\" of the scenes given")
+      ->type_name("TEXT");
+  command.add_option("--size", options->view.size, "Timed frames of the scenes given; default 640x360")
+      ->type_name("WxH");
   add_time_option(command, options->time_ms);
-  command.add_option("--device", options->device.name, "Vulkan device whose name holds NAME (any case); default: the best one")
+  command
+      .add_option("--device", options->device.name,
+                  "Vulkan device whose name holds NAME (any case); default: the best one")
       ->type_name("NAME");
   command.add_flag("--validation", options->device.validation,
                    "Switch the Khronos validation layer on; its messages make the exit code 2");

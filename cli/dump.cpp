@@ -86,14 +86,15 @@ Result<void> write_texture(const std::string& path, const compiler::Texture& tex
   const std::vector<float> read = normalised_texels(texture);
   const bool is_float = !read.empty() || texture.format == compiler::TexelFormat::r32f;
   const SampleType type = is_float ? SampleType::f32 : SampleType::f16;
-  return write_image(path, {.width = texture.extent.x,
-                            .height = std::uint64_t{texture.extent.y} * texture.extent.z,
-                            .channels = is_rgba ? std::vector<std::string>{"R", "G", "B", "A"} : std::vector<std::string>{"Y"},
-                            .stored = type,
-                            .given = type,
-                            .straight_alpha = false,
-                            .compression = "zip",
-                            .samples = read.empty() ? static_cast<const void*>(texture.texels.data()) : read.data()});
+  return write_image(
+      path, {.width = texture.extent.x,
+             .height = std::uint64_t{texture.extent.y} * texture.extent.z,
+             .channels = is_rgba ? std::vector<std::string>{"R", "G", "B", "A"} : std::vector<std::string>{"Y"},
+             .stored = type,
+             .given = type,
+             .straight_alpha = false,
+             .compression = "zip",
+             .samples = read.empty() ? static_cast<const void*>(texture.texels.data()) : read.data()});
 }
 
 std::string textures_text(const compiler::Program& program) {
@@ -125,9 +126,8 @@ std::string statistics_text(const compiler::Program& program) {
       "glsl_lines      {}\n"
       "inlined_lines   {}\n"
       "stages          {}\n",
-      name_of(program.codegen), s.objects, s.sdfs, s.nodes, s.regions,
-      s.candidates, s.seeds, s.depth, s.buffer_bytes, s.texture_bytes, s.atlas_fill, s.glsl_lines, s.inlined_lines,
-      s.stages);
+      name_of(program.codegen), s.objects, s.sdfs, s.nodes, s.regions, s.candidates, s.seeds, s.depth, s.buffer_bytes,
+      s.texture_bytes, s.atlas_fill, s.glsl_lines, s.inlined_lines, s.stages);
   for (const std::string& object : s.object_codegen) result += fmt::format("object          {}\n", object);
   for (const std::string& tape : s.tapes) result += fmt::format("tape            {}\n", tape);
   return result;

@@ -45,9 +45,7 @@ class Tree {
 
   std::string take() { return std::move(text_); }
 
-  void line(std::size_t level, const std::string& words) {
-    text_ += std::string(2 + 2 * level, ' ') + words + '\n';
-  }
+  void line(std::size_t level, const std::string& words) { text_ += std::string(2 + 2 * level, ' ') + words + '\n'; }
 
  private:
   std::string colour() const {
@@ -67,7 +65,11 @@ class Tree {
   static std::string outcome(const AskedPlacement& asked, double iso) {
     if (!asked.held) return "outside its box";
     const double value = asked.value.value_or(0.0);
-    return fmt::format("{:.6g} {} {:.6g}", value, asked.value && value <= iso ? "<=" : value > iso ? ">" : "against", iso);
+    return fmt::format("{:.6g} {} {:.6g}", value,
+                       asked.value && value <= iso ? "<="
+                       : value > iso               ? ">"
+                                                   : "against",
+                       iso);
   }
 
   void print(const AskedDecision& decision, std::size_t level) {
@@ -91,8 +93,8 @@ class Tree {
   /// True if one of the candidates answers.
   bool print(const AskedGroup& asked, const compiler::CandidateGroup& group, std::size_t level) {
     if (asked.in_box) {
-      line(level, fmt::format("INDEX: at {}: {}{}", text(*asked.in_box), asked.held ? "inside" : "outside, nobody is asked",
-                              doubt(asked.certain)));
+      line(level, fmt::format("INDEX: at {}: {}{}", text(*asked.in_box),
+                              asked.held ? "inside" : "outside, nobody is asked", doubt(asked.certain)));
       if (!asked.held) return false;
     }
     line(level, cell_text(asked.cell, group.candidates.size(), "embedded object"));
@@ -100,9 +102,9 @@ class Tree {
     bool answers = false;
     for (const AskedCandidate& candidate : asked.candidates) {
       if (!candidate.held && ++misses > most_listed) continue;
-      line(level, fmt::format("[{}] {} at {}{}{}", candidate.number, at(module_.objects, candidate.object).name,
-                              text(candidate.local), candidate.held ? "" : ": outside its cube",
-                              doubt(candidate.certain)));
+      line(level,
+           fmt::format("[{}] {} at {}{}{}", candidate.number, at(module_.objects, candidate.object).name,
+                       text(candidate.local), candidate.held ? "" : ": outside its cube", doubt(candidate.certain)));
       for (const Visit& inside : candidate.visit) {
         print(inside, level + 1);
         answers |= inside.answers;
@@ -172,12 +174,8 @@ Json json(const Module& module, const Visit& visit) {
   Json decisions = Json::array(), groups = Json::array();
   for (const AskedDecision& decision : visit.decisions) decisions.push_back(json(module, decision));
   for (const AskedGroup& group : visit.groups) groups.push_back(json(module, group));
-  return {{"object", at(module.objects, visit.object).name},
-          {"p", json(visit.p)},
-          {"decisions", decisions},
-          {"region", at(module.regions, visit.region).name},
-          {"groups", groups},
-          {"answers", visit.answers}};
+  return {{"object", at(module.objects, visit.object).name}, {"p", json(visit.p)}, {"decisions", decisions},
+          {"region", at(module.regions, visit.region).name}, {"groups", groups},   {"answers", visit.answers}};
 }
 
 }  // namespace
@@ -197,10 +195,9 @@ std::string explanation_text(const Module& module, const Explanation& explanatio
 }
 
 std::string explanation_json(const Module& module, const Explanation& explanation) {
-  const Json members{
-      {"certain", explanation.answer.certain},
-      {"nearest", {{"test", explanation.nearest.what}, {"distance", explanation.nearest.distance}}},
-      {"visit", explanation.visit.empty() ? Json(nullptr) : json(module, explanation.visit.front())}};
+  const Json members{{"certain", explanation.answer.certain},
+                     {"nearest", {{"test", explanation.nearest.what}, {"distance", explanation.nearest.distance}}},
+                     {"visit", explanation.visit.empty() ? Json(nullptr) : json(module, explanation.visit.front())}};
   const std::string object = members.dump(-1, ' ', false, Json::error_handler_t::replace);
   return object.substr(1, object.size() - 2);
 }

@@ -99,7 +99,8 @@ void add_fmt(CLI::App& app, Invocation& invocation) {
   command.add_option("FILE", options->paths, "VOML files, changed in place; - reads stdin and writes stdout")
       ->required()
       ->type_name("");
-  command.add_flag("--check", options->check, "Change nothing; name the files that are laid out otherwise, and exit with 1");
+  command.add_flag("--check", options->check,
+                   "Change nothing; name the files that are laid out otherwise, and exit with 1");
   add_common_options(command, invocation.context);
   command.footer("Example:  dmvv fmt --check examples/*/*.voml");
   command.callback([&invocation, options] {

@@ -204,8 +204,9 @@ std::string program_text(const compiler::Inventory& inventory, std::uint32_t lin
   const compiler::Program& program = inventory.program;
   const compiler::Statistics& s = program.statistics;
   const bool specialised = program.codegen != compiler::Codegen::table;
-  line("code", fmt::format("{} lines of GLSL{}", s.glsl_lines,
-                           specialised ? fmt::format("; {} when inlined, {} allowed", s.inlined_lines, line_budget) : ""));
+  line("code",
+       fmt::format("{} lines of GLSL{}", s.glsl_lines,
+                   specialised ? fmt::format("; {} when inlined, {} allowed", s.inlined_lines, line_budget) : ""));
   std::size_t values = 0;
   for (const compiler::TimeFunction& f : program.time_functions) values += f.snippet.time_value_count();
   line("time", program.time_functions.empty() ? "none: the scene is static" : plural(values, "value") + " a frame");
@@ -263,12 +264,11 @@ int info_picture(const std::string& path, std::string_view bytes) {
         {Fault::input, fmt::format("'{}' is no scene, distance grid, mesh or picture that dmvv knows", path), {}});
   }
   const ImageInfo& image = *picture;
-  print_result(fmt::format("{}: picture ({}), {} x {}, {} of {}: {}\n  {}\n", path, image.format, image.width,
-                           image.height, plural(image.channels.size(), "channel"), image.sample_type,
-                           fmt::join(image.channels, " "),
-                           image.height == image.width * image.width
-                               ? fmt::format("a bitmap of {0} x {0} x {0} texels", image.width)
-                               : "no bitmap: its height is not the square of its width"));
+  print_result(fmt::format(
+      "{}: picture ({}), {} x {}, {} of {}: {}\n  {}\n", path, image.format, image.width, image.height,
+      plural(image.channels.size(), "channel"), image.sample_type, fmt::join(image.channels, " "),
+      image.height == image.width * image.width ? fmt::format("a bitmap of {0} x {0} x {0} texels", image.width)
+                                                : "no bitmap: its height is not the square of its width"));
   return exit_done;
 }
 

@@ -39,9 +39,7 @@ int report_usage(const CLI::App& app, const CLI::ParseError& error) {
     message = words.empty() ? "no command given" : fmt::format("unknown command '{}'", words.front());
   }
   std::vector<std::string> ways_out{fmt::format("see {} --help", command)};
-  const auto is_number = [](const std::string& word) {
-    return std::holds_alternative<double>(parse_number(word));
-  };
+  const auto is_number = [](const std::string& word) { return std::holds_alternative<double>(parse_number(word)); };
   if (!app.get_subcommands().empty() && std::ranges::any_of(app.remaining(true), is_number)) {
     ways_out.insert(ways_out.begin(), "numbers that belong together stand in quotes, as in --point \"0 0.2 0.1\"");
   }
@@ -99,8 +97,9 @@ int main_function(int count, char** words) {
 }  // namespace
 }  // namespace dmvv::cli
 
-/// jemalloc reads it when the process starts. Large pages: a third of the time from a scene to its first picture went into
-/// faults of small ones, lavapipe's memory included. One arena, and nothing goes back: what a frame frees, the next one takes.
+/// jemalloc reads it when the process starts. Large pages: a third of the time from a scene to its first picture went
+/// into faults of small ones, lavapipe's memory included. One arena, and nothing goes back: what a frame frees, the
+/// next one takes.
 extern "C" {
 const char* malloc_conf = "thp:always,metadata_thp:auto,narenas:1,dirty_decay_ms:-1,muzzy_decay_ms:-1";
 }

@@ -60,13 +60,15 @@ void add_device_options(CLI::App& command, DeviceChoice& choice) {
       ->type_name("NAME");
   command.add_flag("--validation", choice.validation,
                    "Switch the Khronos validation layer on; its messages make the exit code 2");
-  command.add_flag("--no-cache", choice.no_cache, "Compile everything anew: use neither the cache of compiled code nor the driver's");
+  command.add_flag("--no-cache", choice.no_cache,
+                   "Compile everything anew: use neither the cache of compiled code nor the driver's");
 }
 
 void add_codegen_options(CLI::App& command, CodegenChoice& choice) {
   command
       .add_option("--codegen", choice.codegen,
-                  "Shader form: auto (default; by the costs of the device), specialised, table, or thesis (with the errors of the "
+                  "Shader form: auto (default; by the costs of the device), specialised, table, or thesis (with the "
+                  "errors of the "
                   "published program)")
       ->type_name("FORM");
   command.add_option("--atlas", choice.atlas, "Texels of the distance atlas: r32f (default), r16f, snorm16 or snorm8")
@@ -75,7 +77,8 @@ void add_codegen_options(CLI::App& command, CodegenChoice& choice) {
       .add_option("--filter", choice.filter,
                   "Distances between samples: hardware (default; trilinear), shader (trilinear in float32), tricubic")
       ->type_name("FILTER");
-  command.add_option("--disable", choice.disabled_passes, "Switch a pass of the compiler or of a frame off (repeatable)")
+  command
+      .add_option("--disable", choice.disabled_passes, "Switch a pass of the compiler or of a frame off (repeatable)")
       ->type_name("PASS")
       ->allow_extra_args(false);
 }

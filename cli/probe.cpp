@@ -134,8 +134,7 @@ int probe_reference(const ProbeOptions& options, std::span<const glm::dvec3> poi
 int probe_vulkan(const ProbeOptions& options, std::span<const glm::dvec3> points, Context& context) {
   OpeningDevice opening = begin_device(options.device);
   Diagnostics diagnostics(options.scene.strict);
-  compiler::Module module =
-      lower(read_scene(options.scene, context, diagnostics), context, diagnostics, opening.code);
+  compiler::Module module = lower(read_scene(options.scene, context, diagnostics), context, diagnostics, opening.code);
   runtime::Device device = await_device(opening, context);
   const compiler::Program program = compile(std::move(module), compile_options(options.codegen),
                                             compiler::Kernel::points, &device, context, diagnostics, opening.code);
@@ -180,9 +179,10 @@ void add_probe(CLI::App& app, Invocation& invocation) {
                   "reference (default; double precision, on the CPU) or vulkan (the generated shader)")
       ->type_name("NAME");
   command.add_flag("--json", options->json, "One JSON object a line: p, path, region, rgb");
-  command.add_flag("--explain", options->explain,
-                   "Also tell what was asked on the way: every decision with its value and side, every candidate, down to "
-                   "the region, and how near another outcome is");
+  command.add_flag(
+      "--explain", options->explain,
+      "Also tell what was asked on the way: every decision with its value and side, every candidate, down to "
+      "the region, and how near another outcome is");
   add_time_option(command, options->time_ms);
   add_codegen_options(command, options->codegen);
   add_device_options(command, options->device);

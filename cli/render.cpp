@@ -96,9 +96,10 @@ void write(Outputs& outputs, const RenderOptions& options, const AovPaths& aovs,
 void warn_of_nothing(const runtime::Picture& picture, const runtime::View& view, const Context& context) {
   if (context.quiet || runtime::shows_something(picture)) return;
   if (view.slice) return print_warning("nothing to see: the scene is empty on this section");
-  print_warning(fmt::format("nothing to see: the scene is empty wherever {} is seen; cut it open (--cut \"0 0 1 0\"), draw a "
-                            "section (--slice z=0), or make a support mesh of the scene's own surface (dmvv mesh)",
-                            view.mesh ? "the support mesh" : "the standard cube"));
+  print_warning(
+      fmt::format("nothing to see: the scene is empty wherever {} is seen; cut it open (--cut \"0 0 1 0\"), draw a "
+                  "section (--slice z=0), or make a support mesh of the scene's own surface (dmvv mesh)",
+                  view.mesh ? "the support mesh" : "the standard cube"));
 }
 
 int render(const RenderOptions& options, Context& context) {

@@ -252,10 +252,9 @@ void add_sdf(CLI::App& app, Invocation& invocation) {
       ->type_name("SHARE")
       ->check(CLI::Range(0.0, 1.0));
   command.add_flag("--check", options->check, "Report the error of the written grid, and where it is (see below)");
-  command
-      .add_flag_callback(
-          "--no-fit", [options] { options->no_fit = true, options->given.push_back("--no-fit"); },
-          "Keep the mesh's coordinates instead of fitting it into the cube");
+  command.add_flag_callback(
+      "--no-fit", [options] { options->no_fit = true, options->given.push_back("--no-fit"); },
+      "Keep the mesh's coordinates instead of fitting it into the cube");
   CLI::Option* write_mesh =
       command.add_option("--write-mesh", options->fitted_mesh, "Also write the mesh as it was fitted: .ply");
   write_mesh->type_name("FILE");

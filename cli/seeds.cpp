@@ -91,7 +91,8 @@ void write_laid_out(Outputs& outputs, const std::string& path, std::string scene
   outputs.write_bytes(path, *formatted);
 }
 
-/// Writes the scene of the objects, if it is asked for, and puts every output in its place. `what` of the input it shows.
+/// Writes the scene of the objects, if it is asked for, and puts every output in its place. `what` of the input it
+/// shows.
 void write_scene(Outputs& outputs, const SeedsOptions& options, std::span<const authoring::PlacedObject> objects,
                  std::string_view what, Context& context) {
   context.stopwatch.lap("seeds");
@@ -170,7 +171,8 @@ std::string write_packing(const SeedsOptions& options, const authoring::Packing&
   for (std::size_t i = 0; i < names.size(); ++i) {
     const authoring::Ingredient& ingredient = packing.ingredients[i];
     const bool blob = options.blend && ingredient.beads.size() <= authoring::max_blended_beads;
-    const authoring::MoleculeFrame own = blob ? authoring::fit_blob(ingredient, options.jiggle) : authoring::fit_beads(ingredient);
+    const authoring::MoleculeFrame own =
+        blob ? authoring::fit_blob(ingredient, options.jiggle) : authoring::fit_beads(ingredient);
     std::vector<authoring::Placement> placed = ingredient.placements;
     for (authoring::Placement& placement : placed) {
       placement.position += placement.rotation * (placement.scale * own.center);
@@ -204,8 +206,8 @@ int joined_seeds(const SeedsOptions& options, const authoring::PlacementTable& t
                  Context& context) {
   Diagnostics diagnostics;
   const auto beads = authoring::parse_placement_table(options.beads, read_unpacked(options.beads), {}, diagnostics);
-  auto joined = beads ? authoring::join_tables(table, *beads, options.beads, options.radius, diagnostics)
-                            : std::nullopt;
+  auto joined =
+      beads ? authoring::join_tables(table, *beads, options.beads, options.radius, diagnostics) : std::nullopt;
   context.stopwatch.lap("read");
   if (!joined) stop_with(diagnostics, context);
   const Looks looks(options, context);
@@ -214,8 +216,12 @@ int joined_seeds(const SeedsOptions& options, const authoring::PlacementTable& t
       for (authoring::Bead& bead : ingredient.beads) bead.radius = looks.radius(ingredient.name, bead.radius);
   }
   std::string note = write_packing(options, joined->packing, looks, outputs, context);
-  if (joined->beads_unused != 0) note += fmt::format("  left out: {} with beads that stand nowhere\n", plural(joined->beads_unused, "kind"));
-  if (joined->chose_radii) note += fmt::format("  no radii: each is {} of the median distance between beads of its kind, where --kinds does not tell it\n", authoring::bead_spacing_share);
+  if (joined->beads_unused != 0)
+    note += fmt::format("  left out: {} with beads that stand nowhere\n", plural(joined->beads_unused, "kind"));
+  if (joined->chose_radii)
+    note += fmt::format(
+        "  no radii: each is {} of the median distance between beads of its kind, where --kinds does not tell it\n",
+        authoring::bead_spacing_share);
   if (!context.quiet) print_result(note);
   return exit_done;
 }
@@ -303,8 +309,8 @@ authoring::Molecule read_assemblies(const SeedsOptions& options, Context& contex
 
 int list_assemblies(const SeedsOptions& options, Context& context) {
   const authoring::Molecule molecule = read_assemblies(options, context);
-  std::string text = fmt::format("{}: {}\n", options.input,
-                                 molecule.assemblies.empty() ? "no assemblies" : "assemblies");
+  std::string text =
+      fmt::format("{}: {}\n", options.input, molecule.assemblies.empty() ? "no assemblies" : "assemblies");
   for (const authoring::Assembly& assembly : molecule.assemblies)
     text += fmt::format("  {}: {}\n", assembly.id, operators_of(assembly));
   print_result(text);
@@ -329,8 +335,7 @@ int assembly_seeds(const SeedsOptions& options, Context& context) {
     refuse_assembly(options, "there is no assembly '{}'; --assembly list tells which there are", context);
 
   const authoring::PlacedAssembly placed = authoring::place_assembly(molecule, *assembly);
-  if (placed.units.empty())
-    refuse_assembly(options, "the assembly '{}' holds no atom that is to be drawn", context);
+  if (placed.units.empty()) refuse_assembly(options, "the assembly '{}' holds no atom that is to be drawn", context);
   std::vector<authoring::PlacedObject> objects;
   std::size_t atoms = 0;
   for (std::size_t i = 0; i < placed.units.size(); ++i) {
@@ -343,18 +348,18 @@ int assembly_seeds(const SeedsOptions& options, Context& context) {
       write(outputs, fmt::format("{}_{}_scale.txt", path, element.element->symbol), element.scales);
     }
     write_placements(outputs, path, authoring::placement_files(unit.placements, placed.frame));
-    objects.push_back({name, unit.placements.size(),
-                       authoring::molecule_object(name, elements, fmt::format("{}_{}", stem, name))});
+    objects.push_back(
+        {name, unit.placements.size(), authoring::molecule_object(name, elements, fmt::format("{}_{}", stem, name))});
     atoms += unit.atoms.size() * unit.placements.size();
   }
   write_scene(outputs, options, objects, fmt::format("Assembly {}", options.assembly), context);
   if (context.quiet) return exit_done;
-  print_result(fmt::format("{}: {} ({})\n{}{}{}", options.prefix, plural(atoms, "atom"), operators_of(*assembly),
-                           left_out(molecule), frame_note(placed.frame, "A"),
-                           molecule.repaired_operators == 0
-                               ? ""
-                               : fmt::format("  repaired {}, not quite orthogonal\n",
-                                             plural(molecule.repaired_operators, "operator"))));
+  print_result(fmt::format(
+      "{}: {} ({})\n{}{}{}", options.prefix, plural(atoms, "atom"), operators_of(*assembly), left_out(molecule),
+      frame_note(placed.frame, "A"),
+      molecule.repaired_operators == 0
+          ? ""
+          : fmt::format("  repaired {}, not quite orthogonal\n", plural(molecule.repaired_operators, "operator"))));
   return exit_done;
 }
 
@@ -432,17 +437,19 @@ void add_seeds(CLI::App& app, Invocation& invocation) {
                   "or kind; for kinds PREFIX_C_rotate.txt (angles) too")
       ->type_name("PREFIX");
   command
-      .add_option("--format", options->format,
-                  "molecule, table, cellpack or auto: .csv, .tsv and .txt are tables, .json and .cpr results of cellPACK, all\n"
-                  "others molecules")
+      .add_option(
+          "--format", options->format,
+          "molecule, table, cellpack or auto: .csv, .tsv and .txt are tables, .json and .cpr results of cellPACK, all\n"
+          "others molecules")
       ->check(CLI::IsMember({"auto", "molecule", "table", "cellpack"}))
       ->type_name("FORMAT");
   command.add_flag("--voml", options->scene, "Also write PREFIX.voml, a scene of them in colours");
   command.add_flag("--water", options->molecule_options.keep_water,
                    "Keep water (HOH, WAT, H2O, DOD, TIP3, SOL, SPC and the like)");
   command
-      .add_option("--assembly", options->assembly,
-                  "An assembly of the file: its unit is an object that stands once an operator; list tells which there are")
+      .add_option(
+          "--assembly", options->assembly,
+          "An assembly of the file: its unit is an object that stands once an operator; list tells which there are")
       ->type_name("ID");
   command
       .add_option("--columns", options->table_options.columns,
@@ -459,7 +466,9 @@ void add_seeds(CLI::App& app, Invocation& invocation) {
       .add_option("--beads", options->beads,
                   "A second table: the beads of each kind, as x y z kind, and radius if they have any")
       ->type_name("FILE");
-  command.add_option("--kinds", options->kinds, "A table kind,name,rgb,radius: what kinds are called, their colours (#e6801a), radii of beads")
+  command
+      .add_option("--kinds", options->kinds,
+                  "A table kind,name,rgb,radius: what kinds are called, their colours (#e6801a), radii of beads")
       ->type_name("FILE");
   command.add_flag("--blend", options->blend,
                    fmt::format("Blend the beads of a thing into one smooth body, where they are at most {}",
@@ -473,7 +482,8 @@ void add_seeds(CLI::App& app, Invocation& invocation) {
   command.footer(
       "The molecule fills the standard cube; 0.9 in a seed's cube is the van der Waals radius. Of several models, and\n"
       "of the alternate locations of a residue, the first is taken.\n"
-      "A table's first row names its columns: x y z; a rotation as qw qx qy qz, as some of rx ry rz (degrees, Rz Ry Rx) or as\n"
+      "A table's first row names its columns: x y z; a rotation as qw qx qy qz, as some of rx ry rz (degrees, Rz Ry "
+      "Rx) or as\n"
       "m00 to m22 (row, column; from m11 to m33 too); scale or sx sy sz; kind. Others are left out. '#' begins a "
       "comment.\n"
       "Files packed by gzip are unpacked, up to 1 GiB.\n"
@@ -482,7 +492,8 @@ void add_seeds(CLI::App& app, Invocation& invocation) {
       "          dmvv seeds grains.csv -o grains --voml\n"
       "          dmvv seeds virion.cpr -o virion --voml --blend --jiggle 3 --kinds colours.csv\n"
       "          dmvv seeds instances.tsv.gz --beads beads.tsv.gz -o cell --voml\n"
-      "A scene of placements fills no face of the standard cube: draw it with --cut \"0 0 1 0\", or make a support mesh\n"
+      "A scene of placements fills no face of the standard cube: draw it with --cut \"0 0 1 0\", or make a support "
+      "mesh\n"
       "of it by dmvv mesh.");
   command.callback([&invocation, options] {
     invocation.command = [options](Context& context) { return seeds(*options, context); };

@@ -15,8 +15,9 @@ void add_view_options(CLI::App& command, ViewOptions& options) {
                                  "\"eye X Y Z look X Y Z fov DEGREES\", \"up X Y Z\" optional; default: a camera that "
                                  "frames the mesh")
                      ->type_name("TEXT");
-  auto* mesh = command.add_option("--mesh", options.mesh, "Support mesh (OBJ, PLY, STL, OFF); default: the standard cube")
-                   ->type_name("FILE");
+  auto* mesh =
+      command.add_option("--mesh", options.mesh, "Support mesh (OBJ, PLY, STL, OFF); default: the standard cube")
+          ->type_name("FILE");
   auto* cut = command.add_option("--cut", options.cuts, "\"NX NY NZ D\" takes away n.x > D (repeatable)")
                   ->type_name("PLANE")
                   ->allow_extra_args(false);
@@ -57,9 +58,10 @@ void warn_of_deep_zoom(const runtime::View& view, const Context& context) {
   const double height = 2.0 * distance * std::tan(view.camera.fov_deg * std::numbers::pi / 360.0);
   const double pixel = height / (double(view.size_px.y) * view.samples);
   if (!(pixel < surface_error)) return;
-  print_warning(fmt::format("a pixel covers {:.2g} where the camera looks, but float32 tells points of a surface apart "
-                            "to {:.2g} only: the picture shows steps",
-                            pixel, surface_error));
+  print_warning(
+      fmt::format("a pixel covers {:.2g} where the camera looks, but float32 tells points of a surface apart "
+                  "to {:.2g} only: the picture shows steps",
+                  pixel, surface_error));
 }
 
 }  // namespace

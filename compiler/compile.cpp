@@ -32,7 +32,8 @@ namespace {
 constexpr std::uint32_t max_depth = 256;  // a walker's stack of 32-byte frames must fit private memory
 
 bool enabled(const CompileOptions& options, std::string_view pass) {
-  return std::find(options.disabled_passes.begin(), options.disabled_passes.end(), pass) == options.disabled_passes.end();
+  return std::find(options.disabled_passes.begin(), options.disabled_passes.end(), pass) ==
+         options.disabled_passes.end();
 }
 
 /// Is there a kernel that tells how far answers hold?
@@ -40,9 +41,7 @@ bool tells_reach(const CompileOptions& options) {
   return options.many_frames && writes_code(options) && enabled(options, "reach");
 }
 
-bool in_stages(const CompileOptions& options) {
-  return writes_code(options) && enabled(options, "stages");
-}
+bool in_stages(const CompileOptions& options) { return writes_code(options) && enabled(options, "stages"); }
 
 GridStorage grid_storage(const Module& module, const CompileOptions& options) {
   return {options.atlas_format, options.filter, texel_scales(module, options.atlas_format, options.filter)};
@@ -102,7 +101,8 @@ void write_kernels(Program& program, const Evaluation& evaluation, RecordAccess 
     program.glsl[static_cast<std::size_t>(kernel)] = generate_glsl(evaluation, program.depth, kernel, access);
   }
   for (std::size_t i = 0; i < evaluation.stages.size(); ++i) {
-    program.stages.push_back({generate_stage_glsl(evaluation, program.depth, i, access), {}, evaluation.stages[i].has_next});
+    program.stages.push_back(
+        {generate_stage_glsl(evaluation, program.depth, i, access), {}, evaluation.stages[i].has_next});
   }
 }
 
@@ -117,10 +117,11 @@ bool check_functions(const Module& module, const Tapes& tapes, const TapeOptions
     const bool is_tape = !tapes.functions.empty() && tapes.functions[id->index].is_tape;
     if (is_tape || size <= options.most_code) continue;
     const std::string why = tapes.functions.empty() ? "tapes are off" : tapes.functions[id->index].note;
-    diagnostics.report(Code::snippet_too_large, sdf.span,
-                       fmt::format("the SDF '{}' has {} instructions, and a driver can be asked to compile {} at most; it is no "
-                                   "tape ({}): divide it among several SDFs",
-                                   sdf.name, size, options.most_code, why));
+    diagnostics.report(
+        Code::snippet_too_large, sdf.span,
+        fmt::format("the SDF '{}' has {} instructions, and a driver can be asked to compile {} at most; it is no "
+                    "tape ({}): divide it among several SDFs",
+                    sdf.name, size, options.most_code, why));
   }
   return !diagnostics.has_errors();
 }
@@ -148,10 +149,12 @@ void count(Statistics& statistics, const Module& module) {
   statistics.functions = static_cast<std::uint32_t>(module.functions.size());
   statistics.depth = module.depth;
   for (const Sdf& sdf : module.sdfs) {
-    if (sdf.placement == voml::Placement::seeded) statistics.seeds += static_cast<std::uint32_t>(sdf.local_from_object.size());
+    if (sdf.placement == voml::Placement::seeded)
+      statistics.seeds += static_cast<std::uint32_t>(sdf.local_from_object.size());
   }
   for (const Region& region : module.regions) {
-    for (const auto& group : region.groups) statistics.candidates += static_cast<std::uint32_t>(group.candidates.size());
+    for (const auto& group : region.groups)
+      statistics.candidates += static_cast<std::uint32_t>(group.candidates.size());
   }
 }
 
@@ -182,7 +185,8 @@ const std::vector<PassInfo>& pass_names() {
       {"chain-seeds", "SDFs that ask for seeds of one shape after each other share one search"},
       {"fold-affine", "identities, translations and scalings are written as such"},
       {"unite-shapes", "objects of a group that are equal but for their numbers share one function"},
-      {"sink-answers", "loops over candidates only find the one that answers; what it answers is evaluated behind them"},
+      {"sink-answers",
+       "loops over candidates only find the one that answers; what it answers is evaluated behind them"},
       {"box-tests", "box tests that the standard cube already answers are left out"},
       {"stages", "pixels are evaluated by several kernels, each with the code of what its pixels came to"},
       {"tapes", "large snippets are tapes that one loop walks, instead of code"},
@@ -217,8 +221,9 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   program.depth = module.depth;
 
   const bool thesis = options.codegen == Codegen::thesis;
-  auto grid_atlas = thesis ? pack_thesis_atlas(module.grids, options.max_extent_3d, diagnostics)
-                           : pack_atlas(module.grids, grid_storage(module, options), options.max_extent_3d, diagnostics);
+  auto grid_atlas = thesis
+                        ? pack_thesis_atlas(module.grids, options.max_extent_3d, diagnostics)
+                        : pack_atlas(module.grids, grid_storage(module, options), options.max_extent_3d, diagnostics);
   auto bitmap_atlas = pack_bitmaps(module.bitmaps, options.max_extent_3d, diagnostics);
   if (!grid_atlas || !bitmap_atlas) return std::nullopt;
   if (thesis && !fits_thesis(module, diagnostics)) return std::nullopt;
@@ -227,13 +232,18 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   const Tapes tapes = !thesis && enabled(options, "tapes") ? make_tapes(module, tape_options) : Tapes{};
   if (!check_functions(module, tapes, tape_options, diagnostics)) return std::nullopt;
   const bool reaches = tells_reach(options);
-  const auto steepness = reaches ? source_steepness(module, options.atlas_format, options.filter)
-                                 : std::vector<snippet::Steepness>{};
-  const GlslOptions glsl_options{options.codegen, options.inlined_line_budget, options.costs, enabled(options, "fold-affine"),
-                                 enabled(options, "box-tests"), &tapes,
+  const auto steepness =
+      reaches ? source_steepness(module, options.atlas_format, options.filter) : std::vector<snippet::Steepness>{};
+  const GlslOptions glsl_options{options.codegen,
+                                 options.inlined_line_budget,
+                                 options.costs,
+                                 enabled(options, "fold-affine"),
+                                 enabled(options, "box-tests"),
+                                 &tapes,
                                  writes_code(options) && enabled(options, "sink-answers"),
                                  writes_code(options) && enabled(options, "unite-shapes"),
-                                 in_stages(options) ? std::optional(options.stages) : std::nullopt, options.many_frames,
+                                 in_stages(options) ? std::optional(options.stages) : std::nullopt,
+                                 options.many_frames,
                                  reaches ? &steepness : nullptr};
   const auto flattened = [&](std::vector<SeedChain> chains) {
     return thesis ? flatten_thesis(module, *grid_atlas, *bitmap_atlas)
@@ -257,7 +267,8 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
   }
   program.statistics.united_functions = evaluation.united_functions;
   program.statistics.seed_chains = static_cast<std::uint32_t>(records.chains.size());
-  for (const SeedChain& chain : records.chains) program.statistics.chained_sdfs += static_cast<std::uint32_t>(chain.size());
+  for (const SeedChain& chain : records.chains)
+    program.statistics.chained_sdfs += static_cast<std::uint32_t>(chain.size());
   program.statistics.object_codegen = std::move(evaluation.object_codegen);
   program.statistics.atlas_fill = grid_atlas->fill;
   program.time_functions = std::move(evaluation.time_functions);
@@ -271,7 +282,8 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
     if (!note.empty()) program.statistics.tapes.push_back(module.functions[i].name + ": " + note);
   }
   if (evaluation.uses.parameters) add_buffer(program, "parameters", DMVV_BIND_PARAMETERS, evaluation.parameters);
-  if (evaluation.uses.time) add_buffer(program, "time_values", DMVV_BIND_TIME, time_values(program.time_functions, 0.0));
+  if (evaluation.uses.time)
+    add_buffer(program, "time_values", DMVV_BIND_TIME, time_values(program.time_functions, 0.0));
   write_kernels(program, evaluation, record_access(program, options));
   const std::string& pixels = program.glsl[static_cast<std::size_t>(Kernel::pixels)];
   program.statistics.glsl_lines = static_cast<std::uint32_t>(std::count(pixels.begin(), pixels.end(), '\n'));

@@ -32,13 +32,13 @@ struct CompileOptions {
   /// Texels that a storage texel buffer of the device may have, if generated code is to read its records there; a
   /// program with a larger buffer, and all with 0, read them from storage buffers.
   std::uint32_t max_texel_buffer_elements = 0;
-  std::uint32_t inlined_line_budget = 4000;      ///< beyond it, specialised code hands objects over to the generic walker
-  bool many_frames = false;                      ///< keep and make what pays for those who draw many: what proves verdicts,
-                                                 ///< the kernel `leaders`, and stages (which take
-                                                 ///< longer to compile than one kernel); not for thesis, the latter not for table
+  std::uint32_t inlined_line_budget = 4000;  ///< beyond it, specialised code hands objects over to the generic walker
+  bool many_frames = false;                  ///< keep and make what pays for those who draw many: what proves verdicts,
+                                             ///< the kernel `leaders`, and stages (which take
+                             ///< longer to compile than one kernel); not for thesis, the latter not for table
   StageOptions stages;
-  TapeOptions tapes;                             ///< `shorten` is what the pass says
-  std::vector<std::string> disabled_passes;      ///< names of pass_names()
+  TapeOptions tapes;                         ///< `shorten` is what the pass says
+  std::vector<std::string> disabled_passes;  ///< names of pass_names()
 };
 
 /// The passes that can be switched off, in the order they run: name and one sentence.
@@ -71,10 +71,10 @@ void run_passes(Module& module, const CompileOptions& options);
 /// Cost: linear in the scene, except index building (cells) and atlas packing (grids squared).
 std::optional<Program> compile(Module module, const CompileOptions& options, Diagnostics& diagnostics);
 
-/// Compiles one kernel's GLSL to SPIR-V 1.5 for Vulkan 1.2 with glslang and checks it with spirv-val; with `pixels` also
-/// `leaders`, if there is one; a kernel that is there in stages is compiled in those.
-/// `cache` is asked first, and told of what compiled.
-/// Errors: text that does not compile or validate is a bug of the generator; the error carries both logs.
+/// Compiles one kernel's GLSL to SPIR-V 1.5 for Vulkan 1.2 with glslang and checks it with spirv-val; with `pixels`
+/// also `leaders`, if there is one; a kernel that is there in stages is compiled in those. `cache` is asked first, and
+/// told of what compiled. Errors: text that does not compile or validate is a bug of the generator; the error carries
+/// both logs.
 Result<void> to_spirv(Program& program, Kernel kernel, const CodeCache& cache = {});
 
 }  // namespace dmvv::compiler

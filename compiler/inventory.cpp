@@ -70,8 +70,8 @@ std::size_t decisions_in(const Module& module) {
 using Counts = std::vector<std::pair<std::string_view, std::size_t>>;
 
 Counts count(const Module& module) {
-  return {{"decisions", decisions_in(module)}, {"objects", module.objects.size()},  {"SDFs", module.sdfs.size()},
-          {"regions", module.regions.size()},  {"grids", module.grids.size()},      {"bitmaps", module.bitmaps.size()},
+  return {{"decisions", decisions_in(module)},   {"objects", module.objects.size()}, {"SDFs", module.sdfs.size()},
+          {"regions", module.regions.size()},    {"grids", module.grids.size()},     {"bitmaps", module.bitmaps.size()},
           {"functions", module.functions.size()}};
 }
 
@@ -181,11 +181,14 @@ std::string chained(const Statistics& statistics) {
 
 std::string sunk(const Statistics& statistics) {
   if (statistics.listed_objects == 0) return "nothing to do";
-  return fmt::format("loops ask {} of {} objects only whether they answer", statistics.sunk_objects, statistics.listed_objects);
+  return fmt::format("loops ask {} of {} objects only whether they answer", statistics.sunk_objects,
+                     statistics.listed_objects);
 }
 
 std::string stages_found(const Statistics& statistics) {
-  return statistics.stages == 0 ? "nothing to do" : fmt::format("{} kernels for many frames, one for a single picture", statistics.stages);
+  return statistics.stages == 0
+             ? "nothing to do"
+             : fmt::format("{} kernels for many frames, one for a single picture", statistics.stages);
 }
 
 /// run_passes, with what each did; those that the generator carries out are described from the module that it gets.
@@ -222,12 +225,13 @@ std::vector<PassEffect> run_and_tell(Module& module, const CompileOptions& optio
 
 /// Bytes of the records of one object, by the buffer they stand in.
 struct RecordBytes {
-  std::uint64_t nodes = 0, sdfs = 0, regions = 0, groups = 0, placements = 0, scalings = 0, cells = 0, lists = 0, objects = 4;
+  std::uint64_t nodes = 0, sdfs = 0, regions = 0, groups = 0, placements = 0, scalings = 0, cells = 0, lists = 0,
+                objects = 4;
 
   std::uint64_t in(std::string_view buffer) const {
     const std::pair<std::string_view, std::uint64_t> all[] = {
-        {"nodes", nodes},           {"sdfs", sdfs},   {"regions", regions}, {"groups", groups},
-        {"placements", placements}, {"scalings", scalings}, {"cells", cells}, {"lists", lists},     {"objects", objects}};
+        {"nodes", nodes},       {"sdfs", sdfs},   {"regions", regions}, {"groups", groups},  {"placements", placements},
+        {"scalings", scalings}, {"cells", cells}, {"lists", lists},     {"objects", objects}};
     const auto* found = std::ranges::find(all, buffer, &std::pair<std::string_view, std::uint64_t>::first);
     return found == std::end(all) ? 0 : found->second;
   }
@@ -339,9 +343,10 @@ std::optional<Inventory> take_inventory(Module module, const CompileOptions& opt
   for (PassEffect& effect : result.passes) {
     if (effect.pass != "index" || effect.effect == "off") continue;
     const ListsFound& found = stock.found;
-    effect.effect = found.lists == 0 ? "nothing to do"
-                                     : fmt::format("{} list{} of {} entries in {} cells, {} at most in one", found.lists,
-                                                   found.lists == 1 ? "" : "s", found.entries, found.cells, found.longest);
+    effect.effect = found.lists == 0
+                        ? "nothing to do"
+                        : fmt::format("{} list{} of {} entries in {} cells, {} at most in one", found.lists,
+                                      found.lists == 1 ? "" : "s", found.entries, found.cells, found.longest);
   }
   for (PassEffect& effect : result.passes) {
     if (effect.effect == "off") continue;

@@ -29,10 +29,10 @@ struct Statistics {
   std::uint32_t inlined_lines = 0;  ///< estimate of the kernel after inlining
   std::uint32_t stages = 0;         ///< of `pixels`, in programs that draw many frames; 0: it is one kernel
   std::uint32_t united_objects = 0, united_functions = 0;  ///< objects that share one, and how many they share
-  std::uint32_t seed_chains = 0, chained_sdfs = 0;  ///< searches that SDFs share, and the SDFs that share one
+  std::uint32_t seed_chains = 0, chained_sdfs = 0;         ///< searches that SDFs share, and the SDFs that share one
   std::uint32_t listed_objects = 0, sunk_objects = 0;  ///< called by loops; those of them by whether they answer alone
-  std::vector<std::string> object_codegen;  ///< "ORANGE: specialised", ... with the reason where it was cut
-  std::vector<std::string> tapes;           ///< "SKIN: 8123 steps; ...": what became of each large snippet
+  std::vector<std::string> object_codegen;             ///< "ORANGE: specialised", ... with the reason where it was cut
+  std::vector<std::string> tapes;                      ///< "SKIN: 8123 steps; ...": what became of each large snippet
 };
 
 class Judge;

@@ -41,7 +41,8 @@ struct Placement {
 void write_grid(Output& output, const std::string& name, glm::uvec3 size, dvec3 extent,
                 const std::function<double(dvec3)>& shape);
 
-/// Writes bmp/NAME: a 3D bitmap of n^3 texels as a picture of n x n^2 pixels; `color` gets the texel's middle in [0, 1)^3.
+/// Writes bmp/NAME: a 3D bitmap of n^3 texels as a picture of n x n^2 pixels; `color` gets the texel's middle in [0,
+/// 1)^3.
 void write_bitmap(Output& output, const std::string& name, int n, const std::function<dvec3(dvec3)>& color);
 
 /// Writes seeds/NAME.txt, NAME_rotate.txt and NAME_scale.txt. Positions in the files are fractions of the cube's edge.

@@ -31,20 +31,20 @@ class Evaluator {
                                   PreparedSurface prepared = {});
 
   /// The scene at a time and at points in root coordinates (rounded to float32). Answers in the order of the points.
-  /// Needs the points kernel. Adds "pipeline" (first use), "gpu" and "probe" to `timings`. Errors: environment; input if the
-  /// device ran out of loop rounds at some point.
+  /// Needs the points kernel. Adds "pipeline" (first use), "gpu" and "probe" to `timings`. Errors: environment; input
+  /// if the device ran out of loop rounds at some point.
   Result<std::vector<compiler::PointAnswer>> probe(std::span<const glm::dvec3> points, double time_ms = 0.0,
                                                    Timings* timings = nullptr);
 
   /// One picture. Needs the pixels kernel. Adds "pipeline" (first use for slices, for surfaces, for cut surfaces: the
-  /// driver's compilation included, by drawing 8x8 pixels) "gpu" and "frame" to `timings`. A mesh drawn before is kept on the
-  /// device. Errors (input): views that cannot be drawn (sides times samples beyond 16384 or the device's limit, more
-  /// than 64 cuts, a broken mesh or camera), pixels for which the device ran out of loop rounds; else environment.
+  /// driver's compilation included, by drawing 8x8 pixels) "gpu" and "frame" to `timings`. A mesh drawn before is kept
+  /// on the device. Errors (input): views that cannot be drawn (sides times samples beyond 16384 or the device's limit,
+  /// more than 64 cuts, a broken mesh or camera), pixels for which the device ran out of loop rounds; else environment.
   /// Memory: some 220 MiB on the device at most, whatever the size; the picture itself on the host.
   Result<Picture> render(const View& view, Timings* timings = nullptr);
 
-  /// What `render` would do for this view now, as text: tiles, steps in their order, what each reads and writes. Nothing is
-  /// drawn, and later frames do not depend on it. Errors: those of `render` that come from the view.
+  /// What `render` would do for this view now, as text: tiles, steps in their order, what each reads and writes.
+  /// Nothing is drawn, and later frames do not depend on it. Errors: those of `render` that come from the view.
   Result<std::string> plan(const View& view);
 
   struct Impl;

@@ -13,8 +13,8 @@ namespace dmvv::voml {
 std::span<const std::string_view> attributes_of(Tag tag) {
   static constexpr std::string_view import_file[] = {"file"};
   static constexpr std::string_view named[] = {"name"};  // OBJECT, MAPPINGS
-  static constexpr std::string_view sdf[] = {"name",       "file",      "function", "type",      "seedFile", "rotateFile",
-                                             "scaleFile", "index",     "translate", "rotate",   "scale",    "offset"};
+  static constexpr std::string_view sdf[] = {"name",      "file",  "function",  "type",   "seedFile", "rotateFile",
+                                             "scaleFile", "index", "translate", "rotate", "scale",    "offset"};
   static constexpr std::string_view region[] = {"name",      "type",   "rgb",   "file",
                                                 "translate", "rotate", "scale", "opacity"};
   static constexpr std::string_view index[] = {"size", "translate", "rotate", "scale"};

@@ -80,9 +80,7 @@ class Layout {
 
   std::string_view written(Bytes b) const { return std::string_view(text_).substr(b.begin, b.end - b.begin); }
 
-  static bool is_space(pugi::xml_node node) {
-    return node.type() == pugi::node_pcdata && trim(node.value()).empty();
-  }
+  static bool is_space(pugi::xml_node node) { return node.type() == pugi::node_pcdata && trim(node.value()).empty(); }
   static bool is_text(pugi::xml_node node) {
     return node.type() == pugi::node_cdata || (node.type() == pugi::node_pcdata && !is_space(node));
   }

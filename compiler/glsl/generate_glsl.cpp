@@ -95,7 +95,8 @@ void Generator::measure_sources() {
   for (std::uint32_t i = 0; i < module_.functions.size(); ++i) {
     const snippet::Snippet& snippet = module_.functions[i].snippet;
     sizes_.function_lines.push_back(code_lines(is_tape({i}) ? tape_walker_ : snippet.glsl("f", 0)));
-    sizes_.function_nesting = std::max(sizes_.function_nesting, is_tape({i}) ? nesting_of_tape_walker : snippet.nesting());
+    sizes_.function_nesting =
+        std::max(sizes_.function_nesting, is_tape({i}) ? nesting_of_tape_walker : snippet.nesting());
   }
   sizes_.filter_lines = filter_lines();
 }

@@ -23,13 +23,13 @@ namespace dmvv::compiler {
 struct Uses {
   bool grid_atlas = false;
   bool bitmap_atlas = false;
-  bool walker = false;      ///< nodes, sdfs, regions, groups, objects
+  bool walker = false;  ///< nodes, sdfs, regions, groups, objects
   bool placements = false;
-  bool lists = false;       ///< cells and lists
-  bool tapes = false;       ///< tapes and their cells
-  bool scalings = false;    ///< seeds that only scale and move
-  bool parameters = false;  ///< of united functions
-  bool time = false;        ///< what depends on time alone
+  bool lists = false;          ///< cells and lists
+  bool tapes = false;          ///< tapes and their cells
+  bool scalings = false;       ///< seeds that only scale and move
+  bool parameters = false;     ///< of united functions
+  bool time = false;           ///< what depends on time alone
   bool region_colors = false;  ///< regions, for their colours
   bool reach = false;          ///< the text tells how far its answers hold, if its kernel asks
 };
@@ -37,15 +37,17 @@ struct Uses {
 struct GlslOptions {
   Codegen codegen = Codegen::automatic;
   std::uint32_t inlined_line_budget = 4000;
-  DeviceCosts costs;        ///< for Codegen::automatic
-  bool fold_affine = true;  ///< write identities, translations and scalings as such
-  bool box_tests = true;    ///< leave out box tests that the standard cube already answers
+  DeviceCosts costs;             ///< for Codegen::automatic
+  bool fold_affine = true;       ///< write identities, translations and scalings as such
+  bool box_tests = true;         ///< leave out box tests that the standard cube already answers
   const Tapes* tapes = nullptr;  ///< functions that are tapes; none: all are written out
-  bool sink_answers = true;  ///< loops over candidates find the one that answers; what it answers is evaluated behind them
-  bool unite_shapes = true;  ///< candidates' objects that are equal but for their numbers share one function
+  bool sink_answers =
+      true;  ///< loops over candidates find the one that answers; what it answers is evaluated behind them
+  bool unite_shapes = true;            ///< candidates' objects that are equal but for their numbers share one function
   std::optional<StageOptions> stages;  ///< none: all pixels are evaluated by one kernel
   bool write_stages = false;           ///< or only count them
-  const std::vector<snippet::Steepness>* steepness = nullptr;  ///< of each SDF's source: for answers that tell how far they hold
+  const std::vector<snippet::Steepness>* steepness =
+      nullptr;  ///< of each SDF's source: for answers that tell how far they hold
 };
 
 struct StageText {
@@ -59,11 +61,12 @@ struct Evaluation {
   std::string glsl;
   std::uint32_t united_functions = 0;
   std::map<Id<Object>, bool> listed;  ///< objects that loops call; whether by two steps (pass sink-answers)
-  std::uint32_t stage_count = 0;  ///< 0: there are none
+  std::uint32_t stage_count = 0;      ///< 0: there are none
   std::vector<StageText> stages;  ///< the same in parts: stage k is `void stage_k(vec3 p)`, which may set next_stage
   std::vector<TimeFunction> time_functions;
-  std::vector<glm::uvec4> parameters;          ///< of united functions (compiler/glsl/families.h)
-  std::map<Id<Object>, std::uint32_t> united;  ///< what PlacementRecord::united says where such an object is a candidate
+  std::vector<glm::uvec4> parameters;  ///< of united functions (compiler/glsl/families.h)
+  std::map<Id<Object>, std::uint32_t>
+      united;  ///< what PlacementRecord::united says where such an object is a candidate
   Uses uses;
   std::uint32_t inlined_lines = 0;
   Codegen codegen = Codegen::automatic;
@@ -76,7 +79,8 @@ struct Evaluation {
 /// Specialised: every object becomes a function of nested branches with constant matrices; a run of candidates becomes
 /// one loop with one call for each different object. Drivers inline every call, so the inlined size is estimated, and
 /// beyond the budget objects are cut: they are walked over the records (shaders/walk.glsl).
-/// Table: the root is cut. Thesis: likewise, and walked by shaders/walk_thesis.glsl over records of compiler/thesis/thesis.h.
+/// Table: the root is cut. Thesis: likewise, and walked by shaders/walk_thesis.glsl over records of
+/// compiler/thesis/thesis.h.
 Evaluation generate_evaluation(const Module& module, const Records& records, const Atlas& grid_atlas,
                                const GlslOptions& options);
 
@@ -84,7 +88,8 @@ Evaluation generate_evaluation(const Module& module, const Records& records, con
 std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Kernel kernel, RecordAccess access);
 
 /// Likewise, of the kernel `pixels` one of its stages.
-std::string generate_stage_glsl(const Evaluation& evaluation, std::uint32_t depth, std::size_t stage, RecordAccess access);
+std::string generate_stage_glsl(const Evaluation& evaluation, std::uint32_t depth, std::size_t stage,
+                                RecordAccess access);
 
 /// Does the image of the standard cube lie in the box, float32 rounding included? Then `box_tests` leaves its test out.
 bool cube_maps_into(const Affine& affine, const LocalBox& box);

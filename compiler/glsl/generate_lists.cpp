@@ -39,7 +39,8 @@ std::string Generator::limit_group_box(const Affine& box_from_object) const {
                      bound(2.0 * rounding_of(box_from_object)));
 }
 
-void Generator::emit_one_candidate(Id<Region> region, const CandidateGroup& group, const std::string& asked, const std::string& called) {
+void Generator::emit_one_candidate(Id<Region> region, const CandidateGroup& group, const std::string& asked,
+                                   const std::string& called) {
   const Candidate& candidate = group.candidates.front();
   const LocalBox& content = at(module_.objects, candidate.object).content;
   open("");
@@ -73,13 +74,15 @@ void Generator::emit_one_candidate(Id<Region> region, const CandidateGroup& grou
 
 Generator::CubeTest Generator::cube_test(const std::set<Id<Object>>& objects, const std::string& tags) const {
   const LocalBox& first = at(module_.objects, *objects.begin()).content;
-  const bool alike = std::ranges::all_of(objects, [&](Id<Object> object) { return at(module_.objects, object).content == first; });
+  const bool alike =
+      std::ranges::all_of(objects, [&](Id<Object> object) { return at(module_.objects, object).content == first; });
   if (alike) return {box_test(first, "q"), limit_box(first, "q", 1.0, 0.0)};
   const std::string extent = fmt::format("extent_of({}.z)", tags);
   return {fmt::format("in_extent(q, {})", extent), fmt::format("limit_box(q, -{0}, {0}, 1.0, 0.0)", extent)};
 }
 
-void Generator::emit_candidate_loop(Id<Region> region, std::size_t g, const gpu::GroupRecord& record, std::optional<std::uint32_t> later) {
+void Generator::emit_candidate_loop(Id<Region> region, std::size_t g, const gpu::GroupRecord& record,
+                                    std::optional<std::uint32_t> later) {
   const CandidateGroup& group = at(module_.regions, region).groups[g];
   out_.uses.placements = true;
   const bool any_tiled = std::any_of(group.candidates.begin(), group.candidates.end(),
@@ -132,7 +135,8 @@ void Generator::emit_candidate_loop(Id<Region> region, std::size_t g, const gpu:
   if (reaches()) line("local = outer;");
 }
 
-void Generator::emit_search(const gpu::GroupRecord& record, bool any_tiled, const Placements& candidates, const CubeTest& cube) {
+void Generator::emit_search(const gpu::GroupRecord& record, bool any_tiled, const Placements& candidates,
+                            const CubeTest& cube) {
   const std::string placement = fmt::format("{}u + c", record.first_placement);
   open("for (; i < range.y && !held; ++i)");
   line("++asked;");
@@ -161,11 +165,13 @@ Generator::Calls Generator::calls_of(const std::vector<Id<Object>>& called, cons
     const std::string guard = !sinks(first) && guarded_[first.index] ? ", true" : "";
     if (alike.size() == 1) {
       result.by_object = true;
-      result.calls.push_back({fmt::format("object == {}u", first.index), listed_name(first) + "(q, level + 1u", guard, sinks(first)});
+      result.calls.push_back(
+          {fmt::format("object == {}u", first.index), listed_name(first) + "(q, level + 1u", guard, sinks(first)});
     } else {
       result.by_family = true;
       const std::uint32_t family = unite(alike);
-      result.calls.push_back({fmt::format("family == {}u", family), united_names_[family - 1] + "(row, q, level + 1u", guard, sinks(first)});
+      result.calls.push_back({fmt::format("family == {}u", family), united_names_[family - 1] + "(row, q, level + 1u",
+                              guard, sinks(first)});
     }
   }
   return result;
@@ -177,7 +183,8 @@ void Generator::emit_calls(const Calls& calls, bool inside) {
     line("uint row = united >> DMVV_FAMILY_BITS;");
   }
   if (calls.chooses() && calls.by_family) line("uint family = united & (1u << DMVV_FAMILY_BITS) - 1u;");
-  if (calls.by_object ? calls.chooses() : calls.walked.has_value()) line("uint object = placement_tags({}).x;", calls.placement);
+  if (calls.by_object ? calls.chooses() : calls.walked.has_value())
+    line("uint object = placement_tags({}).x;", calls.placement);
   std::string others;  // holds for no object that has a call of its own
   // One after the other, not nested in each other's else.
   for (const Calls::Call& call : calls.calls) {
@@ -186,7 +193,8 @@ void Generator::emit_calls(const Calls& calls, bool inside) {
     if (call.sinks || !inside) line("{}{};", calls.chooses() ? fmt::format("if ({}) ", call.condition) : "", made);
     others += fmt::format("{}!({})", others.empty() ? "" : " && ", call.condition);
   }
-  if (calls.walked && !inside) line("{}walk(object, q, level + 1u);", others.empty() ? "" : fmt::format("if ({}) ", others));
+  if (calls.walked && !inside)
+    line("{}walk(object, q, level + 1u);", others.empty() ? "" : fmt::format("if ({}) ", others));
 }
 
 std::vector<std::vector<Id<Object>>> Generator::shapes_of(const std::vector<Id<Object>>& called) {
@@ -194,8 +202,10 @@ std::vector<std::vector<Id<Object>>> Generator::shapes_of(const std::vector<Id<O
   std::map<std::uint64_t, std::size_t> places;
   for (const Id<Object> object : called) {
     std::uint64_t shape = std::uint64_t{object.index} << 32;
-    if (plan_.cut[object.index]) shape = ~std::uint64_t{0};
-    else if (options_.unite_shapes) shape = families_.shape(listed_name(object));
+    if (plan_.cut[object.index])
+      shape = ~std::uint64_t{0};
+    else if (options_.unite_shapes)
+      shape = families_.shape(listed_name(object));
     const auto [place, is_new] = places.try_emplace(shape, shapes.size());
     if (is_new) shapes.emplace_back();
     shapes[place->second].push_back(object);

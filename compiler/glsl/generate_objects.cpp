@@ -35,8 +35,10 @@ Generator::Outcome Generator::outcome_of(Id<Node> id) {
   Outcome outcome = Outcome::either;
   if (const auto* leaf = std::get_if<Id<Region>>(&content)) {
     const Region& region = at(module_.regions, *leaf);
-    if (region.number != 0) outcome = Outcome::answers;  // its own colour at least
-    else if (region.groups.empty()) outcome = Outcome::misses;
+    if (region.number != 0)
+      outcome = Outcome::answers;  // its own colour at least
+    else if (region.groups.empty())
+      outcome = Outcome::misses;
   } else {
     const auto& decision = std::get<Decision>(content);
     const Outcome negative = outcome_of(decision.negative), positive = outcome_of(decision.positive);
@@ -148,7 +150,8 @@ void Generator::emit_flat_tree(Id<Node> root) {
     const auto& decision = std::get<Decision>(at(module_.nodes, node).content);
     const Link* const link = link_of(decision.sdf);
     line("if (at == {}u) at = {} ? {} : {};", fmt::format("{}", number.at(node)),
-         decision_test(decision.sdf, link == nullptr || link->is_first()), reference(decision.negative), reference(decision.positive));
+         decision_test(decision.sdf, link == nullptr || link->is_first()), reference(decision.negative),
+         reference(decision.positive));
   }
   line("uint region = at & ~DMVV_REGION_BIT;");
 }
@@ -173,9 +176,8 @@ void Generator::emit_tree(Id<Node> id) {
 }
 
 void Generator::emit_own_answer(const std::vector<Id<Region>>& regions, bool one_region) {
-  const bool may_be_found = std::any_of(regions.begin(), regions.end(), [&](Id<Region> region) {
-    return !at(module_.regions, region).groups.empty();
-  });
+  const bool may_be_found = std::any_of(regions.begin(), regions.end(),
+                                        [&](Id<Region> region) { return !at(module_.regions, region).groups.empty(); });
   if (one_region) {
     const Region& region = at(module_.regions, regions.front());
     if (region.number == 0) return;

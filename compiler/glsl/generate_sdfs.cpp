@@ -18,8 +18,9 @@ std::string Generator::source_test(Id<Sdf> id, const Affine* constant, const std
   out_.uses.grid_atlas = true;
   const Affine atlas = lookup_from_local(grid, grid_id, grid_atlas_);
   const std::string at = affine_expression(constant ? atlas * *constant : atlas, q, options_.fold_affine);
-  const std::string value = grid_atlas_.filter == Filter::hardware ? fmt::format("textureLod(grid_atlas, {}, 0.0).r", at)
-                                                                   : fmt::format("sample_grid({})", at);
+  const std::string value = grid_atlas_.filter == Filter::hardware
+                                ? fmt::format("textureLod(grid_atlas, {}, 0.0).r", at)
+                                : fmt::format("sample_grid({})", at);
   return comparison(id, value, grid_atlas_.scales[grid_id.index], constant);
 }
 
@@ -32,12 +33,11 @@ std::string Generator::comparison(Id<Sdf> id, const std::string& value, double s
     source.slope *= largest_stretch(constant->linear);
   }
   // Both points that are compared are off.
-  return fmt::format("below({}, {}, {}, {})", value, iso, bound(source.slope / scale), bound(2.0 * source.error / scale));
+  return fmt::format("below({}, {}, {}, {})", value, iso, bound(source.slope / scale),
+                     bound(2.0 * source.error / scale));
 }
 
-std::string Generator::bound(double value) {
-  return glsl_float(value < 1e30 ? static_cast<float>(value) : 1e30f);
-}
+std::string Generator::bound(double value) { return glsl_float(value < 1e30 ? static_cast<float>(value) : 1e30f); }
 
 std::string Generator::scaled_frame(const Affine& affine) {
   const double stretch = largest_stretch(affine.linear);
@@ -48,7 +48,8 @@ std::string Generator::limit_box(const LocalBox& box, const std::string& q, doub
   if (box.lo == glm::dvec3(-1.0) && box.hi == glm::dvec3(1.0)) {
     return fmt::format("limit_cube({}, {}, {})", q, bound(slope), bound(error));
   }
-  return fmt::format("limit_box({}, {}, {}, {}, {})", q, vec3_literal(box.lo), vec3_literal(box.hi), bound(slope), bound(error));
+  return fmt::format("limit_box({}, {}, {}, {}, {})", q, vec3_literal(box.lo), vec3_literal(box.hi), bound(slope),
+                     bound(error));
 }
 
 void Generator::emit_bitmap_test() {
@@ -75,9 +76,15 @@ void Generator::emit_sdf(Id<Sdf> id) {
   line("// {}", sdf.name);
   open(fmt::format("bool {}(vec3 p)", sdf_name(id)));
   switch (sdf.placement) {
-    case voml::Placement::single: emit_single(id, sdf); break;
-    case voml::Placement::tiled: emit_tiled(id, sdf); break;
-    case voml::Placement::seeded: emit_seeded(id, sdf); break;
+    case voml::Placement::single:
+      emit_single(id, sdf);
+      break;
+    case voml::Placement::tiled:
+      emit_tiled(id, sdf);
+      break;
+    case voml::Placement::seeded:
+      emit_seeded(id, sdf);
+      break;
   }
   close();
   line("");
@@ -123,8 +130,7 @@ std::string Generator::components(const glm::vec4& v) {
 std::string Generator::find_cell(const gpu::LookupRecord& lookup, const std::string& p) {
   out_.uses.lists = true;
   return fmt::format("find_cell({}, {}, {}, uvec3({}u, {}u, {}u), {}u)", p, components(lookup.lo),
-                     components(lookup.cells_per_unit), lookup.size_x, lookup.size_y, lookup.size_z,
-                     lookup.first_cell);
+                     components(lookup.cells_per_unit), lookup.size_x, lookup.size_y, lookup.size_z, lookup.first_cell);
 }
 
 void Generator::emit_range(const gpu::LookupRecord& lookup, const std::string& p) {
@@ -168,7 +174,8 @@ void Generator::emit_seed_search(std::span<const Id<Sdf>> sdfs) {
   for (const Id<Sdf> sdf : sdfs) {
     for (const Affine& affine : at(module_.sdfs, sdf).local_from_object) seeds.add(affine);
   }
-  const bool scales = std::ranges::all_of(sdfs, [&](Id<Sdf> sdf) { return records_.first_scaling[sdf.index] != no_scaling; });
+  const bool scales =
+      std::ranges::all_of(sdfs, [&](Id<Sdf> sdf) { return records_.first_scaling[sdf.index] != no_scaling; });
   if (scales && options_.fold_affine) {
     out_.uses.scalings = true;
     line("vec4 scaling = scaling_at({} + seed);", fmt::format("{}u", records_.first_scaling[sdfs.front().index]));

@@ -42,7 +42,8 @@ void Generator::emit_stage_from(std::uint32_t number, const Way& way, std::size_
   for (std::size_t i = way.size(); i-- > 0;) {
     const std::uint32_t answered = at(module_.regions, way[i]).number;
     const std::string p = i + 1 == way.size() ? "p" : fmt::format("p_{}", i);
-    if (answered != 0) line("{}", fmt::format("if ({}) answer({}u, {}u, {}, {}u);", nobody(), way[i].index, answered, p, i));
+    if (answered != 0)
+      line("{}", fmt::format("if ({}) answer({}u, {}u, {}, {}u);", nobody(), way[i].index, answered, p, i));
   }
   close();
 }

@@ -35,7 +35,7 @@ struct Continuation {
   std::size_t first = 0;   ///< the groups before it have been asked
   bool asks_first = true;  ///< in this stage
   const Way* way = nullptr;
-  std::string last;        ///< what is called for the last group's one candidate; "": its usual function
+  std::string last;  ///< what is called for the last group's one candidate; "": its usual function
   std::optional<std::uint32_t> stage_of(const StagePlan& plan, std::size_t group) const {
     return way == nullptr || (asks_first && group == first) ? std::nullopt : plan.stage_at(*way, group);
   }
@@ -126,7 +126,8 @@ class Generator : GlslWriter {
     return found != links_.end() ? &found->second : nullptr;
   }
   static std::string chain_name(const SeedChain& chain) { return fmt::format("first_of_{}", chain.front().index); }
-  /// Whether the SDF is negative at p, as one expression in brackets or a call. `asks`: of a chain nothing has been asked yet.
+  /// Whether the SDF is negative at p, as one expression in brackets or a call. `asks`: of a chain nothing has been
+  /// asked yet.
   std::string decision_test(Id<Sdf> id, bool asks) const;
   /// Likewise; asks a chain where its first test stands.
   std::string decision_test(Id<Sdf> id);
@@ -176,7 +177,8 @@ class Generator : GlslWriter {
   std::string limit_group_box(const Affine& box_from_object) const;
   /// The call stands in no condition: a chain of objects, each in the one before, is as deep as one.
   /// `called`: the object's function, if it is not its usual one.
-  void emit_one_candidate(Id<Region> region, const CandidateGroup& group, const std::string& asked, const std::string& called);
+  void emit_one_candidate(Id<Region> region, const CandidateGroup& group, const std::string& asked,
+                          const std::string& called);
   /// Where a group's candidates are asked, q being a point in the frame of one.
   struct CubeTest {
     std::string holds;  ///< is q there?
@@ -185,9 +187,10 @@ class Generator : GlslWriter {
   /// In one box if all objects have it; else each where its record says.
   CubeTest cube_test(const std::set<Id<Object>>& objects, const std::string& tags) const;
   /// With a `later` stage only the search for a candidate, which that stage then asks.
-  void emit_candidate_loop(Id<Region> region, std::size_t g, const gpu::GroupRecord& record, std::optional<std::uint32_t> later);
-  /// To the next candidate whose cube holds the point. A loop of its own: all points search, then all that have found one
-  /// evaluate it (Aila and Laine 2009, while-while), and the evaluation's rounds are no more than a point's finds.
+  void emit_candidate_loop(Id<Region> region, std::size_t g, const gpu::GroupRecord& record,
+                           std::optional<std::uint32_t> later);
+  /// To the next candidate whose cube holds the point. A loop of its own: all points search, then all that have found
+  /// one evaluate it (Aila and Laine 2009, while-while), and the evaluation's rounds are no more than a point's finds.
   void emit_search(const gpu::GroupRecord& record, bool any_tiled, const Placements& candidates, const CubeTest& cube);
   /// How the objects of a list are called: one call for each different shape, one walker for all objects that are cut.
   struct Calls {

@@ -28,14 +28,17 @@ std::string bindings(const Uses& uses, RecordAccess access) {
     text += fmt::format("layout(set = 0, binding = {}, std430) readonly buffer {} {{ {} {}[]; }};\n", slot, block, type,
                         name);
   };
-  const auto found = [&](std::uint32_t binding, const char* slot, const char* block, const char* type, const char* name) {
+  const auto found = [&](std::uint32_t binding, const char* slot, const char* block, const char* type,
+                         const char* name) {
     const BufferForm form = form_of(binding, access);
     if (form == BufferForm::records) return buffer(slot, block, type, name);
-    text += fmt::format("layout(set = 0, binding = {}, {}) readonly uniform uimageBuffer {};\n", slot, format_name(form), name);
+    text += fmt::format("layout(set = 0, binding = {}, {}) readonly uniform uimageBuffer {};\n", slot,
+                        format_name(form), name);
   };
   if (uses.grid_atlas) sampler("DMVV_BIND_GRID_ATLAS", "grid_atlas");
   if (uses.bitmap_atlas) sampler("DMVV_BIND_BITMAP_ATLAS", "bitmap_atlas");
-  if (uses.placements) found(DMVV_BIND_PLACEMENTS, "DMVV_BIND_PLACEMENTS", "Placements", "PlacementRecord", "placements");
+  if (uses.placements)
+    found(DMVV_BIND_PLACEMENTS, "DMVV_BIND_PLACEMENTS", "Placements", "PlacementRecord", "placements");
   if (uses.lists) found(DMVV_BIND_CELLS, "DMVV_BIND_CELLS", "Cells", "uint", "cells");
   if (uses.lists) found(DMVV_BIND_LISTS, "DMVV_BIND_LISTS", "Lists", "uint", "lists");
   if (uses.walker) {
@@ -87,7 +90,8 @@ std::string kernel_text(const Evaluation& evaluation, std::uint32_t depth, Kerne
   text += evaluation.functions;
   if (uses.walker) text += evaluation.codegen == Codegen::thesis ? shader_text::walk_thesis : shader_text::walk;
   text += "\n// ---- the scene ----\n";
-  text += stage ? evaluation.stages[*stage].glsl + fmt::format("void evaluate(vec3 p) {{ stage_{}(p); }}\n", *stage) : evaluation.glsl;
+  text += stage ? evaluation.stages[*stage].glsl + fmt::format("void evaluate(vec3 p) {{ stage_{}(p); }}\n", *stage)
+                : evaluation.glsl;
   text += kernel == Kernel::points ? shader_text::points : shader_text::pixels;
   return text;
 }
@@ -98,7 +102,8 @@ std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Ker
   return kernel_text(evaluation, depth, kernel, access, std::nullopt);
 }
 
-std::string generate_stage_glsl(const Evaluation& evaluation, std::uint32_t depth, std::size_t stage, RecordAccess access) {
+std::string generate_stage_glsl(const Evaluation& evaluation, std::uint32_t depth, std::size_t stage,
+                                RecordAccess access) {
   return kernel_text(evaluation, depth, Kernel::pixels, access, stage);
 }
 

@@ -17,7 +17,8 @@ constexpr double atlas_texels = 2048.0;
 // times by the levels above.
 constexpr double tricubic_roundings = 256.0;
 constexpr double trilinear_roundings = 8.0;
-constexpr double normalised_roundings = 4.0;  // a normalised texel is converted by the device, and compared with iso / scale
+constexpr double normalised_roundings =
+    4.0;  // a normalised texel is converted by the device, and compared with iso / scale
 
 }  // namespace
 

@@ -18,9 +18,9 @@ struct GridBounds {
 /// Cost: one pass over the samples.
 GridBounds grid_bounds(const voml::Grid& grid);
 
-/// A bound of the Catmull-Rom interpolant's slope over GridBounds::slope (spec/accuracy.md). Along an axis, the derivative
-/// is a sum of differences of neighbours whose weights' magnitudes sum to 3/2 at most, the weights' own magnitudes to 5/4
-/// along the two others.
+/// A bound of the Catmull-Rom interpolant's slope over GridBounds::slope (spec/accuracy.md). Along an axis, the
+/// derivative is a sum of differences of neighbours whose weights' magnitudes sum to 3/2 at most, the weights' own
+/// magnitudes to 5/4 along the two others.
 inline constexpr double tricubic_slope = 1.5 * 1.25 * 1.25;
 
 /// Bound of the error, in samples, with which a device looks up a local point that is off by `error`.

@@ -13,7 +13,8 @@ constexpr int most_voxels = 2;  // along an axis, for the exact range
 constexpr int most_blocks = 4;  // along an axis, of the pyramid
 
 std::size_t index(const glm::uvec3& size, const glm::ivec3& i) {
-  return (static_cast<std::size_t>(i.z) * size.y + static_cast<std::size_t>(i.y)) * size.x + static_cast<std::size_t>(i.x);
+  return (static_cast<std::size_t>(i.z) * size.y + static_cast<std::size_t>(i.y)) * size.x +
+         static_cast<std::size_t>(i.x);
 }
 
 Range joined(const Range& a, const Range& b) { return {std::min(a.lo, b.lo), std::max(a.hi, b.hi)}; }
@@ -54,7 +55,8 @@ Range GridRange::over(const glm::dvec3& lo, const glm::dvec3& hi) const {
   const glm::dvec3 end(grid_.size - 1u);
   const glm::dvec3 a = glm::clamp(lo, glm::dvec3(0.0), end), b = glm::clamp(hi, glm::dvec3(0.0), end);
   const glm::ivec3 outermost = glm::max(glm::ivec3(grid_.size) - 2, glm::ivec3(0));
-  const glm::ivec3 first = glm::min(glm::ivec3(glm::floor(a)), outermost), last = glm::min(glm::ivec3(glm::floor(b)), outermost);
+  const glm::ivec3 first = glm::min(glm::ivec3(glm::floor(a)), outermost),
+                   last = glm::min(glm::ivec3(glm::floor(b)), outermost);
   if (widest(last - first) < most_voxels) return of_voxels(a, b, first, last);
   return of_samples(first, glm::min(last + 1, glm::ivec3(grid_.size) - 1));
 }
@@ -72,7 +74,8 @@ double GridRange::at(const glm::dvec3& c) const {
   return glm::mix(near, glm::mix(row(lo.y, hi.z), row(hi.y, hi.z), w.y), w.z);
 }
 
-Range GridRange::of_voxels(const glm::dvec3& lo, const glm::dvec3& hi, const glm::ivec3& first, const glm::ivec3& last) const {
+Range GridRange::of_voxels(const glm::dvec3& lo, const glm::dvec3& hi, const glm::ivec3& first,
+                           const glm::ivec3& last) const {
   // Corners of the box and where it crosses from voxel to voxel.
   double stops[3][most_voxels + 1];
   int counts[3];

@@ -20,7 +20,8 @@ struct Range {
 /// its extremes at corners. Over larger boxes it is that of the samples around it, from a pyramid of minima and maxima.
 class GridRange {
  public:
-  /// Keeps a reference to `grid`, which must outlive it. Cost: one pass over the samples; a seventh of their memory, twice.
+  /// Keeps a reference to `grid`, which must outlive it. Cost: one pass over the samples; a seventh of their memory,
+  /// twice.
   explicit GridRange(const voml::Grid& grid);
 
   /// Over [lo, hi], in samples: (0, 0, 0) is the centre of the first. Beyond the outer centres their values go on.

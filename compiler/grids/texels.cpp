@@ -15,9 +15,9 @@ namespace {
 
 constexpr float largest_half = 65504.0f;
 
-// Samples around one point differ by the sum of the slopes at most (trilinear). With Catmull-Rom weights, whose positive
-// ones sum to W+ = (5/4 + ...)^3 = 1.4766 and negative ones to W- = 0.4766, four samples an axis differ by 3 slopes, and
-// a sum of zero needs no sample beyond 3 / (1 - W- / W+) = 4.43 of them.
+// Samples around one point differ by the sum of the slopes at most (trilinear). With Catmull-Rom weights, whose
+// positive ones sum to W+ = (5/4 + ...)^3 = 1.4766 and negative ones to W- = 0.4766, four samples an axis differ by 3
+// slopes, and a sum of zero needs no sample beyond 3 / (1 - W- / W+) = 4.43 of them.
 constexpr double reach_trilinear = 1.0;
 constexpr double reach_tricubic = 4.5;
 
@@ -36,18 +36,24 @@ double nearest_step(float value, TexelFormat format, double scale) {
 // Beyond half precision's range only the sign matters: the sample is far from any surface.
 std::uint16_t half_of(float value) { return glm::packHalf1x16(std::clamp(value, -largest_half, largest_half)); }
 
-std::uint8_t byte_of(float value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255.0f)); }
+std::uint8_t byte_of(float value) {
+  return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255.0f));
+}
 
 }  // namespace
 
 std::size_t bytes_per_texel(TexelFormat format) {
   switch (format) {
-    case TexelFormat::r32f: return 4;
+    case TexelFormat::r32f:
+      return 4;
     case TexelFormat::r16f:
-    case TexelFormat::snorm16: return 2;
+    case TexelFormat::snorm16:
+      return 2;
     case TexelFormat::snorm8:
-    case TexelFormat::unorm8: return 1;
-    case TexelFormat::rgba16f: return 8;
+    case TexelFormat::unorm8:
+      return 1;
+    case TexelFormat::rgba16f:
+      return 8;
   }
   return 0;
 }
@@ -76,12 +82,18 @@ std::vector<double> texel_scales(const Module& module, TexelFormat format, Filte
 
 void store_texel(float value, TexelFormat format, double scale, std::byte* out) {
   switch (format) {
-    case TexelFormat::r32f: return store(out, value);
-    case TexelFormat::r16f: return store(out, half_of(value));
-    case TexelFormat::snorm16: return store(out, static_cast<std::int16_t>(nearest_step(value, format, scale)));
-    case TexelFormat::snorm8: return store(out, static_cast<std::int8_t>(nearest_step(value, format, scale)));
-    case TexelFormat::unorm8: return store(out, byte_of(value));
-    case TexelFormat::rgba16f: return;  // no format of distances
+    case TexelFormat::r32f:
+      return store(out, value);
+    case TexelFormat::r16f:
+      return store(out, half_of(value));
+    case TexelFormat::snorm16:
+      return store(out, static_cast<std::int16_t>(nearest_step(value, format, scale)));
+    case TexelFormat::snorm8:
+      return store(out, static_cast<std::int8_t>(nearest_step(value, format, scale)));
+    case TexelFormat::unorm8:
+      return store(out, byte_of(value));
+    case TexelFormat::rgba16f:
+      return;  // no format of distances
   }
 }
 

@@ -8,9 +8,12 @@ namespace {
 
 const char* kind_name(voml::RegionKind kind) {
   switch (kind) {
-    case voml::RegionKind::color: return "color";
-    case voml::RegionKind::bitmap: return "bitmap";
-    case voml::RegionKind::empty: return "empty";
+    case voml::RegionKind::color:
+      return "color";
+    case voml::RegionKind::bitmap:
+      return "bitmap";
+    case voml::RegionKind::empty:
+      return "empty";
   }
   return "";
 }

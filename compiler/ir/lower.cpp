@@ -15,8 +15,8 @@ namespace {
 
 /// Entries of a placement's matrix. Products of a few stay finite in float32.
 constexpr double largest_entry = 0x1p100;
-/// An object is imprecise if float32 moves points by more than this share of its cube's width: a pixel of a picture that
-/// shows the cube a thousand pixels wide.
+/// An object is imprecise if float32 moves points by more than this share of its cube's width: a pixel of a picture
+/// that shows the cube a thousand pixels wide.
 constexpr double imprecise_share = 0x1p-10;
 
 /// Maps ids of a scene's vector to ids of a module's vector; an entry is made when an id is first asked for.
@@ -187,15 +187,17 @@ class Lowering {
 
   /// Reports a placement that float32 cannot hold.
   void check_placement(const Affine& affine, Span span) {
-    double largest = std::max({std::abs(affine.translation.x), std::abs(affine.translation.y), std::abs(affine.translation.z)});
+    double largest =
+        std::max({std::abs(affine.translation.x), std::abs(affine.translation.y), std::abs(affine.translation.z)});
     for (int column = 0; column < 3; ++column) {
       const glm::dvec3 entries = glm::abs(affine.linear[column]);
       largest = std::max({largest, entries.x, entries.y, entries.z});
     }
     if (largest <= largest_entry) return;
-    diagnostics_.report(Code::placement_too_small, span,
-                        fmt::format("a placement magnifies by {:.3g}; shaders compute in float32, and can follow up to {:.3g}",
-                                    largest, largest_entry));
+    diagnostics_.report(
+        Code::placement_too_small, span,
+        fmt::format("a placement magnifies by {:.3g}; shaders compute in float32, and can follow up to {:.3g}", largest,
+                    largest_entry));
   }
 
   Affine placement_of(const voml::Transform& transform, Span span) {
@@ -288,7 +290,8 @@ class Lowering {
     Region& region = at(module_.regions, id);
     CandidateGroup group;
     if (from.index) {
-      group.box_from_object = placement_of(from.index->transform, from.embedded.empty() ? Span{} : from.embedded.front().span);
+      group.box_from_object =
+          placement_of(from.index->transform, from.embedded.empty() ? Span{} : from.embedded.front().span);
       group.index_size = from.index->size;
     }
     group.first_number = first_number;
@@ -327,9 +330,10 @@ class Lowering {
   void report_imprecise(Span span, const std::string& what, double share_of_cube) {
     diagnostics_.report(
         Code::imprecise_placement, span,
-        fmt::format("float32 coordinates in {} may be off by {:.2g} of its cube's width, and its boundaries in pictures "
-                    "with them; a larger scale, or dmvv probe, which computes in double, would tell",
-                    what, share_of_cube));
+        fmt::format(
+            "float32 coordinates in {} may be off by {:.2g} of its cube's width, and its boundaries in pictures "
+            "with them; a larger scale, or dmvv probe, which computes in double, would tell",
+            what, share_of_cube));
   }
 
   /// Warns where an object's frame, or an SDF's, becomes too small for float32: there, not again below.
@@ -350,7 +354,8 @@ class Lowering {
       error[origin.child.index] = worse(error[origin.child.index], after);
       if (share(after) <= imprecise_share || share(before) > imprecise_share || reported[origin.child.index]) continue;
       reported[origin.child.index] = true;
-      report_imprecise(origin.span, fmt::format("the object '{}'", at(module_.objects, origin.child).name), share(after));
+      report_imprecise(origin.span, fmt::format("the object '{}'", at(module_.objects, origin.child).name),
+                       share(after));
     }
     for (const auto& [sdf, object] : sdf_users_) check_sdf_precision(at(module_.sdfs, sdf), error[object.index]);
   }

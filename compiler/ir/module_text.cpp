@@ -15,9 +15,12 @@ std::string text(const Affine& a) {
 
 const char* text(voml::Placement placement) {
   switch (placement) {
-    case voml::Placement::single: return "single";
-    case voml::Placement::seeded: return "seeded";
-    case voml::Placement::tiled: return "tiled";
+    case voml::Placement::single:
+      return "single";
+    case voml::Placement::seeded:
+      return "seeded";
+    case voml::Placement::tiled:
+      return "tiled";
   }
   return "";
 }
@@ -30,17 +33,23 @@ std::string source_text(const Sdf& sdf) {
 std::string node_text(const Node& node) {
   if (const auto* region = std::get_if<Id<Region>>(&node.content)) return fmt::format("region {}", region->index);
   const auto& decision = std::get<Decision>(node.content);
-  return fmt::format("sdf {} + node {} - node {}", decision.sdf.index, decision.positive.index, decision.negative.index);
+  return fmt::format("sdf {} + node {} - node {}", decision.sdf.index, decision.positive.index,
+                     decision.negative.index);
 }
 
 std::string region_text(const Region& region) {
   std::string line = fmt::format("'{}' of object {} number {}", region.name, region.object.index, region.number);
   switch (region.kind) {
-    case voml::RegionKind::color: line += fmt::format(" color {} opacity {}", text(region.rgb), region.opacity); break;
-    case voml::RegionKind::bitmap:
-      line += fmt::format(" bitmap {} at {} opacity {}", region.bitmap.index, text(region.texture_from_object), region.opacity);
+    case voml::RegionKind::color:
+      line += fmt::format(" color {} opacity {}", text(region.rgb), region.opacity);
       break;
-    case voml::RegionKind::empty: line += " empty"; break;
+    case voml::RegionKind::bitmap:
+      line += fmt::format(" bitmap {} at {} opacity {}", region.bitmap.index, text(region.texture_from_object),
+                          region.opacity);
+      break;
+    case voml::RegionKind::empty:
+      line += " empty";
+      break;
   }
   return line;
 }
@@ -52,7 +61,8 @@ std::string to_text(const Module& module) {
   for (std::size_t i = 0; i < module.objects.size(); ++i) {
     out += fmt::format("object {} '{}' node {}\n", i, module.objects[i].name, module.objects[i].root.index);
   }
-  for (std::size_t i = 0; i < module.nodes.size(); ++i) out += fmt::format("node {} {}\n", i, node_text(module.nodes[i]));
+  for (std::size_t i = 0; i < module.nodes.size(); ++i)
+    out += fmt::format("node {} {}\n", i, node_text(module.nodes[i]));
   for (std::size_t i = 0; i < module.sdfs.size(); ++i) {
     const Sdf& sdf = module.sdfs[i];
     out += fmt::format("sdf {} '{}' {} {} iso {}\n", i, sdf.name, source_text(sdf), text(sdf.placement), sdf.iso);

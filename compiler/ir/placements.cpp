@@ -20,8 +20,9 @@ LocalBox asked_box(const Sdf& sdf, const Module& module) {
 }
 
 bool only_scale(const Sdf& sdf) {
-  return sdf.placement == voml::Placement::seeded &&
-         std::ranges::all_of(sdf.local_from_object, [](const Affine& a) { return a.linear == glm::dmat3(a.linear[0].x); });
+  return sdf.placement == voml::Placement::seeded && std::ranges::all_of(sdf.local_from_object, [](const Affine& a) {
+           return a.linear == glm::dmat3(a.linear[0].x);
+         });
 }
 
 std::vector<PlacedBox> placed_boxes(const Sdf& sdf, const Module& module) {
@@ -41,7 +42,8 @@ std::vector<PlacedBox> placed_boxes(const CandidateGroup& group, const Module& m
   for (const Candidate& candidate : group.candidates) {
     const LocalBox& content = at(module.objects, candidate.object).content;
     boxes.push_back({candidate.local_from_parent * object_from_frame,
-                     float_error(candidate.local_from_parent, glm::dvec3(1.0)), content.lo, content.hi, candidate.tiled});
+                     float_error(candidate.local_from_parent, glm::dvec3(1.0)), content.lo, content.hi,
+                     candidate.tiled});
   }
   return boxes;
 }

@@ -44,7 +44,8 @@ glm::uvec3 project(glm::uvec3 p, int axis, const std::vector<Placed>& placed) {
   std::uint32_t stop = 0;
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
   for (const Placed& box : placed) {
-    const bool under = box.hi[axis] <= p[axis] && box.lo[u] <= p[u] && p[u] < box.hi[u] && box.lo[v] <= p[v] && p[v] < box.hi[v];
+    const bool under =
+        box.hi[axis] <= p[axis] && box.lo[u] <= p[u] && p[u] < box.hi[u] && box.lo[v] <= p[v] && p[v] < box.hi[v];
     if (under) stop = std::max(stop, box.hi[axis]);
   }
   p[axis] = stop;
@@ -156,15 +157,15 @@ void store(std::byte* out, const T& value) {
 
 template <class Asset, class Size>
 std::string largest_path(std::span<const Asset> assets, Size&& size) {
-  const auto largest = std::max_element(assets.begin(), assets.end(),
-                                        [&](const Asset& a, const Asset& b) { return size(a) < size(b); });
+  const auto largest =
+      std::max_element(assets.begin(), assets.end(), [&](const Asset& a, const Asset& b) { return size(a) < size(b); });
   return largest == assets.end() ? std::string() : largest->path;
 }
 
 }  // namespace
 
-std::optional<Atlas> pack_atlas(std::span<const voml::Grid> grids, const GridStorage& storage,
-                                std::uint32_t max_extent, Diagnostics& diagnostics) {
+std::optional<Atlas> pack_atlas(std::span<const voml::Grid> grids, const GridStorage& storage, std::uint32_t max_extent,
+                                Diagnostics& diagnostics) {
   const TexelFormat format = storage.format;
   std::vector<glm::uvec3> sizes;
   for (const voml::Grid& grid : grids) sizes.push_back(grid.size);
@@ -184,9 +185,8 @@ std::optional<Atlas> pack_atlas(std::span<const voml::Grid> grids, const GridSto
       return grid.values[(std::size_t{grid.size.y} * z + y) * grid.size.x + x];
     };
     const double scale = atlas->scales[i];
-    fill_slot(*atlas, atlas->slots[i], grid.size, clamp_fold, [&](int x, int y, int z, std::byte* out) {
-      store_texel(value(x, y, z), format, scale, out);
-    });
+    fill_slot(*atlas, atlas->slots[i], grid.size, clamp_fold,
+              [&](int x, int y, int z, std::byte* out) { store_texel(value(x, y, z), format, scale, out); });
   }
   return atlas;
 }
@@ -201,7 +201,8 @@ std::optional<Atlas> pack_bitmaps(std::span<const voml::Bitmap> bitmaps, std::ui
   atlas->texture.name = "bitmap_atlas";
   atlas->texture.binding = DMVV_BIND_BITMAP_ATLAS;
   std::array<std::uint16_t, 256> half_of_byte;
-  for (std::size_t v = 0; v < half_of_byte.size(); ++v) half_of_byte[v] = glm::packHalf1x16(static_cast<float>(v) / 255.0f);
+  for (std::size_t v = 0; v < half_of_byte.size(); ++v)
+    half_of_byte[v] = glm::packHalf1x16(static_cast<float>(v) / 255.0f);
   for (std::size_t i = 0; i < bitmaps.size(); ++i) {
     const voml::Bitmap& bitmap = bitmaps[i];
     fill_slot(*atlas, atlas->slots[i], glm::uvec3(bitmap.n), wrap_fold, [&](int x, int y, int z, std::byte* out) {

@@ -36,7 +36,7 @@ struct Atlas {
   std::vector<double> scales;  ///< of distance grids: value = texel * scale
   Filter filter = Filter::hardware;
   std::uint32_t border = 1;  ///< texels
-  double fill = 0.0;  ///< share of the texture that holds samples or borders
+  double fill = 0.0;         ///< share of the texture that holds samples or borders
 };
 
 /// How the samples of distance grids are stored.
@@ -50,8 +50,8 @@ struct GridStorage {
 ///
 /// Errors: E0303 the packed extent exceeds max_extent (names the largest grid).
 /// Source: thesis section 4.3.2; Wang et al. 2011 use 3D bin packing.
-std::optional<Atlas> pack_atlas(std::span<const voml::Grid> grids, const GridStorage& storage,
-                                std::uint32_t max_extent, Diagnostics& diagnostics);
+std::optional<Atlas> pack_atlas(std::span<const voml::Grid> grids, const GridStorage& storage, std::uint32_t max_extent,
+                                Diagnostics& diagnostics);
 
 /// Packs bitmaps as rgba16f (8-bit values are exact in it to 1/8 of a step; lavapipe filters 8-bit textures with
 /// coarse weights), each with a border of its opposite side (sampling wraps around).

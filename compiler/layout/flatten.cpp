@@ -26,7 +26,8 @@ std::uint32_t packed_extent(const LocalBox& box) {
 
 class Flattening {
  public:
-  Flattening(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, IndexOptions index, std::vector<SeedChain> chains)
+  Flattening(const Module& module, const Atlas& grid_atlas, const Atlas& bitmap_atlas, IndexOptions index,
+             std::vector<SeedChain> chains)
       : module_(module), grid_atlas_(grid_atlas), bitmap_atlas_(bitmap_atlas), index_(index) {
     out_.chains = std::move(chains);
   }
@@ -62,8 +63,10 @@ class Flattening {
     }
     for (std::uint32_t i = 0; i < module_.sdfs.size(); ++i) {
       const SeedChain* const chain = chain_of[i];
-      if (chain == nullptr) sdfs_.emplace_back(Id<Sdf>{i}, nullptr);
-      else if (chain->front() == Id<Sdf>{i}) for (const Id<Sdf> sdf : *chain) sdfs_.emplace_back(sdf, chain);
+      if (chain == nullptr)
+        sdfs_.emplace_back(Id<Sdf>{i}, nullptr);
+      else if (chain->front() == Id<Sdf>{i})
+        for (const Id<Sdf> sdf : *chain) sdfs_.emplace_back(sdf, chain);
     }
     out_.sdfs.resize(module_.sdfs.size());
     out_.first_scaling.resize(module_.sdfs.size(), no_scaling);
@@ -107,7 +110,8 @@ class Flattening {
   /// A quarter of the loads of a placement.
   void append_scalings(Id<Sdf> id) {
     out_.first_scaling[id.index] = static_cast<std::uint32_t>(out_.scalings.size());
-    for (const Affine& a : at(module_.sdfs, id).local_from_object) out_.scalings.push_back(vec(a.translation, a.linear[0].x));
+    for (const Affine& a : at(module_.sdfs, id).local_from_object)
+      out_.scalings.push_back(vec(a.translation, a.linear[0].x));
   }
 
   gpu::RegionRecord flatten_region(const Region& region) {
@@ -135,7 +139,8 @@ class Flattening {
     record.first_number = group.first_number;
     for (const Candidate& candidate : group.candidates) {
       const std::uint32_t extent = packed_extent(at(module_.objects, candidate.object).content);
-      out_.placements.push_back({rows(candidate.local_from_parent), candidate.object.index, candidate.tiled, extent, 0});
+      out_.placements.push_back(
+          {rows(candidate.local_from_parent), candidate.object.index, candidate.tiled, extent, 0});
     }
     record.lookup = append_lookup();
     return record;
@@ -150,14 +155,16 @@ class Flattening {
       if (sdf.placement != voml::Placement::seeded || !has_own_lookup(id, chain)) continue;
       jobs.emplace_back([&, all = chain] {
         return build_lookup(all != nullptr ? placed_boxes(*all, module_) : placed_boxes(sdf, module_),
-                            wish(all != nullptr ? index_size(*all, module_) : sdf.index_size), glm::dvec3(0.0), index_.refine,
-                            index_.widened);
+                            wish(all != nullptr ? index_size(*all, module_) : sdf.index_size), glm::dvec3(0.0),
+                            index_.refine, index_.widened);
       });
     }
     for (const Region& region : module_.regions) {
       for (const CandidateGroup& group : region.groups) {
-        jobs.emplace_back(
-            [&] { return build_lookup(placed_boxes(group, module_), wish(group.index_size), lookup_frame_error(group), index_.refine, index_.widened); });
+        jobs.emplace_back([&] {
+          return build_lookup(placed_boxes(group, module_), wish(group.index_size), lookup_frame_error(group),
+                              index_.refine, index_.widened);
+        });
       }
     }
     lookups_.resize(jobs.size());
@@ -183,7 +190,7 @@ class Flattening {
   const Atlas& grid_atlas_;
   const Atlas& bitmap_atlas_;
   IndexOptions index_;
-  std::vector<std::uint32_t> references_;  // of each node
+  std::vector<std::uint32_t> references_;                   // of each node
   std::vector<std::pair<Id<Sdf>, const SeedChain*>> sdfs_;  // in the order of their rows
   std::vector<Lookup> lookups_;
   std::size_t next_lookup_ = 0;
@@ -260,19 +267,22 @@ std::string to_text(const Records& records) {
   }
   for (std::size_t i = 0; i < records.sdfs.size(); ++i) {
     const auto& s = records.sdfs[i];
-    line("sdf", i, fmt::format("kind {} function {} first_placement {} box {} {} atlas {} {} {}", s.kind, static_cast<std::int32_t>(s.function), s.first_placement,
-                               text(s.box_lo), text(s.box_hi), text(s.atlas_scale), text(s.atlas_offset), text(s.lookup)));
+    line("sdf", i,
+         fmt::format("kind {} function {} first_placement {} box {} {} atlas {} {} {}", s.kind,
+                     static_cast<std::int32_t>(s.function), s.first_placement, text(s.box_lo), text(s.box_hi),
+                     text(s.atlas_scale), text(s.atlas_offset), text(s.lookup)));
   }
   for (std::size_t i = 0; i < records.regions.size(); ++i) {
     const auto& r = records.regions[i];
-    line("region", i, fmt::format("number {} groups {}+{} color {} slot {} {} texture {}", r.number, r.first_group,
-                                  r.group_count, text(r.color), text(r.slot_scale), text(r.slot_offset),
-                                  text(r.texture_from_object)));
+    line("region", i,
+         fmt::format("number {} groups {}+{} color {} slot {} {} texture {}", r.number, r.first_group, r.group_count,
+                     text(r.color), text(r.slot_scale), text(r.slot_offset), text(r.texture_from_object)));
   }
   for (std::size_t i = 0; i < records.groups.size(); ++i) {
     const auto& g = records.groups[i];
-    line("group", i, fmt::format("box {} {} first_placement {} first_number {} {}", g.has_box, text(g.box_from_object),
-                                 g.first_placement, g.first_number, text(g.lookup)));
+    line("group", i,
+         fmt::format("box {} {} first_placement {} first_number {} {}", g.has_box, text(g.box_from_object),
+                     g.first_placement, g.first_number, text(g.lookup)));
   }
   for (std::size_t i = 0; i < records.placements.size(); ++i) {
     const auto& p = records.placements[i];

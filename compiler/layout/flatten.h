@@ -25,11 +25,11 @@ struct Records {
   std::vector<gpu::PlacementRecord> placements;
   std::vector<std::uint32_t> cells;
   std::vector<std::uint32_t> lists;
-  std::vector<glm::vec4> scalings;     ///< of seeds that only scale, alike along all axes, and move: q = p * w + xyz
+  std::vector<glm::vec4> scalings;  ///< of seeds that only scale, alike along all axes, and move: q = p * w + xyz
   std::vector<std::uint32_t> first_scaling;  ///< of each SDF; no_scaling where not all its seeds are such
-  std::vector<SeedChain> chains;          ///< SDFs that share a lookup: its lists hold the seeds of all, in the chain's order
+  std::vector<SeedChain> chains;  ///< SDFs that share a lookup: its lists hold the seeds of all, in the chain's order
   std::vector<std::uint32_t> first_seed;  ///< of each SDF: the number of its first seed in the lists; 0 but for chains
-  std::vector<std::uint32_t> objects;  ///< the reference of each object's root node (DMVV_REGION_BIT: a region)
+  std::vector<std::uint32_t> objects;     ///< the reference of each object's root node (DMVV_REGION_BIT: a region)
 };
 
 /// Seeds of all SDFs of a chain, one SDF after the other.
@@ -46,8 +46,8 @@ gpu::AffineRows rows(const Affine& affine);
 
 /// How seeds and candidates are looked up.
 struct IndexOptions {
-  bool use = true;      ///< false: every lookup is one cell that lists everything
-  bool refine = false;  ///< an author's size is no more than a wish for more cells than would be chosen
+  bool use = true;       ///< false: every lookup is one cell that lists everything
+  bool refine = false;   ///< an author's size is no more than a wish for more cells than would be chosen
   double widened = 0.0;  ///< lists hold also what comes so near to a cell, in cells
 };
 

@@ -37,7 +37,8 @@ bool is_empty(const Box& box) { return glm::any(glm::greaterThan(box.lo, box.hi)
 bool may_meet(const PlacedBox& placed, const glm::dvec3& cell_center, const glm::dvec3& cell_half) {
   const glm::dvec3 center = placed.local_from_frame(cell_center);
   const glm::dvec3 half = abs_times(placed.local_from_frame.linear, cell_half) + placed.local_error;
-  return glm::all(glm::lessThanEqual(center - half, placed.hi)) && glm::all(glm::greaterThanEqual(center + half, placed.lo));
+  return glm::all(glm::lessThanEqual(center - half, placed.hi)) &&
+         glm::all(glm::greaterThanEqual(center + half, placed.lo));
 }
 
 Box union_of(std::span<const Box> boxes) {
@@ -81,7 +82,8 @@ glm::uvec3 wanted_size(std::span<const Box> boxes, const Box& extent, const glm:
 
 glm::uvec3 within_budget(glm::uvec3 size) {
   size = glm::max(size, glm::uvec3(1));
-  while (static_cast<std::uint64_t>(size.x) * size.y > max_cells || std::uint64_t{size.x} * size.y * size.z > max_cells) {
+  while (static_cast<std::uint64_t>(size.x) * size.y > max_cells ||
+         std::uint64_t{size.x} * size.y * size.z > max_cells) {
     std::uint32_t& largest = size.x >= size.y && size.x >= size.z ? size.x : size.y >= size.z ? size.y : size.z;
     largest = (largest + 1) / 2;
   }
@@ -111,7 +113,8 @@ CellRange cell_range(const Lookup& grid, const Box& box, const glm::dvec3& margi
 
 /// Calls visit(cell index) for each cell that the placement can meet, in ascending order.
 template <class Visit>
-void for_each_cell(const Lookup& grid, const PlacedBox& placed, const Box& box, const glm::dvec3& margin, Visit&& visit) {
+void for_each_cell(const Lookup& grid, const PlacedBox& placed, const Box& box, const glm::dvec3& margin,
+                   Visit&& visit) {
   const glm::dvec3 cell = (grid.hi - grid.lo) / glm::dvec3(grid.size);
   const auto [first, end] = cell_range(grid, box, margin);
   for (std::uint32_t z = first.z; z < end.z; ++z) {
@@ -168,8 +171,8 @@ std::span<const std::uint32_t> Lookup::at(const glm::dvec3& p) const {
   return std::span(lists).subspan(cells[cell], cells[cell + 1] - cells[cell]);
 }
 
-Lookup build_lookup(std::span<const PlacedBox> placements, const glm::uvec3& wish,
-                    const glm::dvec3& frame_error, bool refine, double widened) {
+Lookup build_lookup(std::span<const PlacedBox> placements, const glm::uvec3& wish, const glm::dvec3& frame_error,
+                    bool refine, double widened) {
   std::vector<Box> boxes;
   boxes.reserve(placements.size());
   for (const PlacedBox& placed : placements) boxes.push_back(frame_bounds(placed));

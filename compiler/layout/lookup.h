@@ -34,7 +34,8 @@ struct Lookup {
 /// A wish of (1,1,1) gives the plain list. With `refine`, any other wish counts only if it has more cells than would be
 /// chosen. `widened`: a cell's list holds also what comes so near to it, in cells.
 /// Cost: linear in the cells that the placements' bounds touch, at most 2^25 (or 8 a placement) of them.
-/// Source: thesis section 3.2.1; separating axes of box faces (Gottschalk 2000), the edge pairs left out (conservative).
+/// Source: thesis section 3.2.1; separating axes of box faces (Gottschalk 2000), the edge pairs left out
+/// (conservative).
 Lookup build_lookup(std::span<const PlacedBox> placements, const glm::uvec3& wish,
                     const glm::dvec3& frame_error = glm::dvec3(0.0), bool refine = false, double widened = 0.0);
 

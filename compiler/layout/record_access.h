@@ -7,8 +7,8 @@
 namespace dmvv::compiler {
 
 /// How shaders read the records that each point finds by an index of its own (shaders/access.glsl). The values are the
-/// same. From a storage buffer lavapipe loads them point after point, a texel of a storage texel buffer for eight points
-/// at once.
+/// same. From a storage buffer lavapipe loads them point after point, a texel of a storage texel buffer for eight
+/// points at once.
 enum class RecordAccess : std::uint8_t { buffers, texels };
 
 /// What a buffer is to shaders.

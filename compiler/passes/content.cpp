@@ -21,8 +21,8 @@ namespace dmvv::compiler {
 
 namespace {
 
-constexpr int halvings = 5;               // of each side: boxes are found to a 32nd of the cube's edge
-constexpr std::size_t most_tests = 192;    // of boxes, towards each face;
+constexpr int halvings = 5;                         // of each side: boxes are found to a 32nd of the cube's edge
+constexpr std::size_t most_tests = 192;             // of boxes, towards each face;
 constexpr std::size_t most_instructions = 400'000;  // of a large snippet in these
 constexpr LocalBox cube{};
 const LocalBox nothing{glm::dvec3(1.0), glm::dvec3(-1.0)};
@@ -34,8 +34,8 @@ LocalBox hull(const LocalBox& a, const LocalBox& b) {
 }
 LocalBox intersection(const LocalBox& a, const LocalBox& b) { return {glm::max(a.lo, b.lo), glm::min(a.hi, b.hi)}; }
 
-/// How far the boxes that are not empty reach along an axis, to the positive side or the other; none if all are. The box that
-/// reaches farthest is halved first, and of such the smallest: if it is not empty, that is the end.
+/// How far the boxes that are not empty reach along an axis, to the positive side or the other; none if all are. The
+/// box that reaches farthest is halved first, and of such the smallest: if it is not empty, that is the end.
 template <class IsEmpty>
 std::optional<double> farthest(int axis, double sign, std::size_t most, const IsEmpty& is_empty) {
   struct Part {
@@ -66,7 +66,8 @@ std::optional<double> farthest(int axis, double sign, std::size_t most, const Is
 /// Where a function may be below iso.
 LocalBox content_of(const snippet::Snippet& snippet, double iso) {
   const snippet::BoxFunction function(snippet, {-any_time_ms, any_time_ms});
-  const std::size_t most = std::min(most_tests, most_instructions / std::max<std::size_t>(snippet.instruction_count(), 1));
+  const std::size_t most =
+      std::min(most_tests, most_instructions / std::max<std::size_t>(snippet.instruction_count(), 1));
   const double slack = float_unit * std::abs(iso);
   const auto is_empty = [&](const snippet::Box& box) { return function(box).lo > iso + slack; };
   LocalBox content;
@@ -155,9 +156,9 @@ void trim_cubes(Module& module, TexelFormat format, Filter filter) {
   in_parallel(jobs.size(), [&](std::size_t i) {
     const auto& [source, iso] = jobs[i]->first;
     const auto* function = std::get_if<Id<Function>>(&source);
-    const LocalBox found =
-        function ? content_of(at(module.functions, *function).snippet, iso)
-                 : content_of(at(module.grids, std::get<Id<voml::Grid>>(source)), iso, format, filter);
+    const LocalBox found = function
+                               ? content_of(at(module.functions, *function).snippet, iso)
+                               : content_of(at(module.grids, std::get<Id<voml::Grid>>(source)), iso, format, filter);
     jobs[i]->second = is_nothing(found) ? cube : found;  // rare, and not worth a case of its own
   });
   for (Sdf& sdf : module.sdfs) sdf.content = contents.at({sdf.source, sdf.iso});

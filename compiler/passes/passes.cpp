@@ -25,7 +25,9 @@ std::string_view bytes_of(const std::vector<T>& values) {
 bool same(const voml::Grid& a, const voml::Grid& b) {
   return a.size == b.size && a.box_lo == b.box_lo && a.box_hi == b.box_hi && bytes_of(a.values) == bytes_of(b.values);
 }
-bool same(const voml::Bitmap& a, const voml::Bitmap& b) { return a.n == b.n && bytes_of(a.texels) == bytes_of(b.texels); }
+bool same(const voml::Bitmap& a, const voml::Bitmap& b) {
+  return a.n == b.n && bytes_of(a.texels) == bytes_of(b.texels);
+}
 const std::vector<float>& content(const voml::Grid& grid) { return grid.values; }
 const std::vector<glm::u8vec4>& content(const voml::Bitmap& bitmap) { return bitmap.texels; }
 
@@ -47,7 +49,6 @@ std::vector<Id<Asset>> first_equals(const std::vector<Asset>& assets) {
   return first;
 }
 
-
 /// Removes the elements that are not kept and returns where the others went.
 template <class T>
 std::vector<Id<T>> compact(std::vector<T>& elements, const std::vector<bool>& kept) {
@@ -65,8 +66,13 @@ std::vector<Id<T>> compact(std::vector<T>& elements, const std::vector<bool>& ke
 
 struct Reached {
   explicit Reached(const Module& m)
-      : objects(m.objects.size()), nodes(m.nodes.size()), sdfs(m.sdfs.size()), regions(m.regions.size()),
-        grids(m.grids.size()), bitmaps(m.bitmaps.size()), functions(m.functions.size()) {}
+      : objects(m.objects.size()),
+        nodes(m.nodes.size()),
+        sdfs(m.sdfs.size()),
+        regions(m.regions.size()),
+        grids(m.grids.size()),
+        bitmaps(m.bitmaps.size()),
+        functions(m.functions.size()) {}
   std::vector<bool> objects, nodes, sdfs, regions, grids, bitmaps, functions;
 };
 

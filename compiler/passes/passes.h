@@ -5,8 +5,8 @@
 
 namespace dmvv::compiler {
 
-/// `merge-assets`: grids with the same samples and box, bitmaps with the same texels, and snippets with the same program
-/// are stored once.
+/// `merge-assets`: grids with the same samples and box, bitmaps with the same texels, and snippets with the same
+/// program are stored once.
 void merge_assets(Module& module);
 
 /// `prune-sides`: a decision whose two sides are the same tree of the same regions is replaced by that side.

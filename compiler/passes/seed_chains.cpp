@@ -35,7 +35,8 @@ class Search {
     for (std::uint32_t i = 0; i < module_.nodes.size(); ++i) {
       if (follows[i] || !next_of({i})) continue;
       SeedChain& chain = chains.emplace_back();
-      for (std::optional<Id<Node>> node = Id<Node>{i}; node; node = next_of(*node)) chain.push_back(decision_at(*node)->sdf);
+      for (std::optional<Id<Node>> node = Id<Node>{i}; node; node = next_of(*node))
+        chain.push_back(decision_at(*node)->sdf);
     }
     return chains;
   }

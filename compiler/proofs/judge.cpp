@@ -1,5 +1,5 @@
-// One box, all ways through the scene that it leaves open. The ways are kept as a tree of arrivals: a box within asks the
-// arrival of the wider box first, and tests only what is open there.
+// One box, all ways through the scene that it leaves open. The ways are kept as a tree of arrivals: a box within asks
+// the arrival of the wider box first, and tests only what is open there.
 #include "compiler/proofs/judge.h"
 
 #include <algorithm>
@@ -118,8 +118,8 @@ struct Judge::Impl {
   Range range_of_grid(Id<voml::Grid> id, double iso, const glm::dvec3& lo, const glm::dvec3& hi) const;
 };
 
-std::optional<std::vector<std::uint32_t>> Judge::Impl::listed(const gpu::LookupRecord& lookup, const Spot& q, std::uint32_t begin,
-                                                              std::size_t count) const {
+std::optional<std::vector<std::uint32_t>> Judge::Impl::listed(const gpu::LookupRecord& lookup, const Spot& q,
+                                                              std::uint32_t begin, std::size_t count) const {
   const glm::dvec3 lo(lookup.lo), per_unit(lookup.cells_per_unit);
   const glm::dvec3 last = glm::dvec3(lookup.size_x, lookup.size_y, lookup.size_z) - 1.0;
   const auto cell = [&](const glm::dvec3& p) {
@@ -192,8 +192,8 @@ namespace {
 struct AskedSdf {
   Id<Sdf> sdf;
   Side side;
-  bool has_all;                     ///< `open` has every placement that is open
-  std::vector<const Frame*> open;   ///< placements whose sources are open
+  bool has_all;                    ///< `open` has every placement that is open
+  std::vector<const Frame*> open;  ///< placements whose sources are open
 };
 
 struct Arrival;
@@ -252,7 +252,8 @@ struct Inquiry::Impl {
     root.spot = spot_in(*root.frame, box);
     root.wider = nullptr;
   }
-  Impl(Impl& w, const snippet::Box& b) : judge(w.judge), module(w.module), times(w.times), functions(w.functions), box(b), wider(&w) {
+  Impl(Impl& w, const snippet::Box& b)
+      : judge(w.judge), module(w.module), times(w.times), functions(w.functions), box(b), wider(&w) {
     root.frame = w.root.frame;
     root.spot = spot_in(*root.frame, box);
     root.wider = &w.root;
@@ -301,7 +302,8 @@ struct Inquiry::Impl {
   void ask_all_sources(const Arrival& arrival, AskedSdf& asked) {
     const Sdf& sdf = at(module.sdfs, asked.sdf);
     if (sdf.placement != voml::Placement::seeded) {
-      return ask_source(frames.emplace_front(enter(sdf.local_from_object.front(), *arrival.frame, arrival.spot)), asked);
+      return ask_source(frames.emplace_front(enter(sdf.local_from_object.front(), *arrival.frame, arrival.spot)),
+                        asked);
     }
     const auto seeds = judge.listed(judge.records.sdfs[asked.sdf.index].lookup, arrival.spot,
                                     judge.records.first_seed[asked.sdf.index], sdf.local_from_object.size());
@@ -333,7 +335,8 @@ struct Inquiry::Impl {
     if (known != arrival.groups.end()) return *known;
     AskedGroup* before = arrival.wider != nullptr ? &wider->ask(group, record, *arrival.wider) : nullptr;
     AskedGroup asked{&group, Held::inside, false, {}};
-    const Frame in_frame = group.box_from_object ? enter(*group.box_from_object, *arrival.frame, arrival.spot) : *arrival.frame;
+    const Frame in_frame =
+        group.box_from_object ? enter(*group.box_from_object, *arrival.frame, arrival.spot) : *arrival.frame;
     const Spot in_box = group.box_from_object ? spot_in(in_frame, box) : arrival.spot;
     if (group.box_from_object) asked.held = held_by_cube(in_box);
     if (asked.held == Held::outside) return arrival.groups.emplace_back(std::move(asked));
@@ -372,7 +375,9 @@ struct Inquiry::Impl {
 
   // ---- the ways ----
 
-  Answers follow_object(Id<Object> object, Arrival& arrival) { return follow(at(module.objects, object).root, arrival); }
+  Answers follow_object(Id<Object> object, Arrival& arrival) {
+    return follow(at(module.objects, object).root, arrival);
+  }
 
   Answers follow(Id<Node> node, Arrival& arrival) {
     if (is_over()) return Answers::sometimes;

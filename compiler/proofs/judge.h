@@ -13,9 +13,9 @@ namespace dmvv::compiler {
 
 /// What is known of all points of a box at all times of a span.
 struct Verdict {
-  bool decided = false;  ///< all give the same answer, `region`
-  bool moves = false;    ///< not decided, and some answer may depend on the time
-  Id<Region> region;     ///< invalid: empty
+  bool decided = false;      ///< all give the same answer, `region`
+  bool moves = false;        ///< not decided, and some answer may depend on the time
+  Id<Region> region;         ///< invalid: empty
   Affine texture_from_root;  ///< decided for a region with a bitmap: of every point, wrapped as the bitmap is
   friend bool operator==(const Verdict&, const Verdict&) = default;
 };

@@ -15,8 +15,8 @@ namespace dmvv::compiler {
 
 namespace {
 
-/// The largest length of a gradient in a voxel between samples z and z + 1: there a derivative along an axis lies between
-/// the differences along the four edges.
+/// The largest length of a gradient in a voxel between samples z and z + 1: there a derivative along an axis lies
+/// between the differences along the four edges.
 double steepest_voxel(const voml::Grid& grid, const glm::vec3& samples_per_unit, std::size_t z) {
   const std::size_t nx = grid.size.x, ny = grid.size.y, nz = grid.size.z;
   const std::size_t right = nx > 1 ? 1 : 0, up = ny > 1 ? nx : 0, back = z + 1 < nz ? nx * ny : 0;
@@ -29,7 +29,8 @@ double steepest_voxel(const voml::Grid& grid, const glm::vec3& samples_per_unit,
     const float* row = grid.values.data() + (z * ny + y) * nx;
     for (std::size_t x = 0; x + right < nx; ++x) {
       const glm::vec3 g = glm::vec3(difference(row + x, right, up, back), difference(row + x, up, right, back),
-                                    difference(row + x, back, right, up)) * samples_per_unit;
+                                    difference(row + x, back, right, up)) *
+                          samples_per_unit;
       steepest = std::max(steepest, glm::dot(g, g));
     }
   }
@@ -58,8 +59,7 @@ std::vector<snippet::Steepness> source_steepness(const Module& module, TexelForm
   std::vector<snippet::Steepness> of_grids, of_functions, of_sdfs;
   for (const voml::Grid& grid : module.grids) of_grids.push_back(grid_steepness(grid, format, filter));
   for (const Function& function : module.functions) {
-    of_functions.push_back(function.snippet.steepness({glm::dvec3(-1.0), glm::dvec3(1.0)},
-                                                      {-longest_ms, longest_ms}));
+    of_functions.push_back(function.snippet.steepness({glm::dvec3(-1.0), glm::dvec3(1.0)}, {-longest_ms, longest_ms}));
   }
   for (const Sdf& sdf : module.sdfs) {
     const auto* function = std::get_if<Id<Function>>(&sdf.source);

@@ -10,7 +10,8 @@ namespace dmvv::compiler {
 namespace {
 
 constexpr double unit = 2.0 / DMVV_VERDICT_UNITS;  // width of the finest cells
-constexpr double margin = 0x1p-23;  // p + 1 is rounded before a device finds the cell: half an ulp of 2, and as much to spare
+constexpr double margin =
+    0x1p-23;  // p + 1 is rounded before a device finds the cell: half an ulp of 2, and as much to spare
 
 glm::uvec3 child_place(std::uint32_t child) { return {child % 4, child / 4 % 4, child / 16}; }
 std::uint32_t child_at(const glm::uvec3& place) { return (place.z * 4 + place.y) * 4 + place.x; }
@@ -70,8 +71,10 @@ VerdictTree::Words VerdictTree::judge_brick(const Cell& parent) {
 
 std::uint32_t VerdictTree::word_for(const Verdict& verdict, std::uint32_t width) {
   if (verdict.decided) {
-    const bool has_bitmap = verdict.region.valid() && at(judge_.module().regions, verdict.region).kind == voml::RegionKind::bitmap;
-    if (const auto known = outcome(verdict)) return DMVV_VERDICT_DECIDED | (has_bitmap ? DMVV_VERDICT_BITMAP : 0u) | *known;
+    const bool has_bitmap =
+        verdict.region.valid() && at(judge_.module().regions, verdict.region).kind == voml::RegionKind::bitmap;
+    if (const auto known = outcome(verdict))
+      return DMVV_VERDICT_DECIDED | (has_bitmap ? DMVV_VERDICT_BITMAP : 0u) | *known;
   }
   return (verdict.moves ? 0u : DMVV_VERDICT_STILL) | (width == 1 ? DMVV_VERDICT_FINAL : 0u);
 }
@@ -114,7 +117,8 @@ void VerdictTree::add_brick(std::uint32_t parent, const Cell& cell, const Words&
 std::size_t VerdictTree::split(std::span<const std::uint32_t> cells) {
   std::vector<std::uint32_t> open;
   for (const std::uint32_t i : cells) {
-    const bool is_open = i < first_free_ && (word(i) & (DMVV_VERDICT_DECIDED | DMVV_VERDICT_INNER | DMVV_VERDICT_FINAL)) == 0;
+    const bool is_open =
+        i < first_free_ && (word(i) & (DMVV_VERDICT_DECIDED | DMVV_VERDICT_INNER | DMVV_VERDICT_FINAL)) == 0;
     if (is_open) open.push_back(i);
   }
   std::ranges::sort(open);

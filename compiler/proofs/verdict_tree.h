@@ -14,22 +14,22 @@
 
 namespace dmvv::compiler {
 
-/// A sparse tree of cells over the root's cube, in memory that a device reads (shaders/verdicts.glsl walks it). It begins
-/// with one level and grows by `split` only, so it is as fine as it pays, where it pays.
+/// A sparse tree of cells over the root's cube, in memory that a device reads (shaders/verdicts.glsl walks it). It
+/// begins with one level and grows by `split` only, so it is as fine as it pays, where it pays.
 class VerdictTree {
  public:
   /// Where it is written; all outlive the tree.
   struct Memory {
-    std::span<std::uint32_t> words;  ///< at least DMVV_BRICK_WORDS: bounds the tree
-    std::span<std::uint32_t> hits;   ///< as many; the hits of a new brick's cells are set to 0
+    std::span<std::uint32_t> words;         ///< at least DMVV_BRICK_WORDS: bounds the tree
+    std::span<std::uint32_t> hits;          ///< as many; the hits of a new brick's cells are set to 0
     std::span<gpu::RegionRecord> outcomes;  ///< texture_from_object is texture_from_root there
   };
 
   /// Cost: splits the cube once. `judge` and `times` outlive the tree.
   VerdictTree(const Judge& judge, const Judge::Times& times, const Memory& memory);
 
-  /// Splits open cells, given by their words' indices; others are left as they are. On all cores. Stops where the memory
-  /// ends. Returns how many were split. Cost: 8 to 72 inquiries a cell.
+  /// Splits open cells, given by their words' indices; others are left as they are. On all cores. Stops where the
+  /// memory ends. Returns how many were split. Cost: 8 to 72 inquiries a cell.
   std::size_t split(std::span<const std::uint32_t> cells);
 
   bool is_full() const { return first_free_ + DMVV_BRICK_WORDS > memory_.words.size(); }
@@ -44,7 +44,7 @@ class VerdictTree {
 
  private:
   struct Cell {
-    glm::uvec3 corner;   ///< in units of the finest cells
+    glm::uvec3 corner;    ///< in units of the finest cells
     std::uint32_t width;  ///< likewise
   };
   using Words = std::array<std::uint32_t, DMVV_BRICK_WORDS>;

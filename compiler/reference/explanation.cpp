@@ -35,7 +35,8 @@ double distance_to_faces(const glm::dvec3& q, const LocalBox& box, const glm::dm
 
 class Distances {
  public:
-  Distances(const Module& module, Filter filter, double time_ms) : module_(module), filter_(filter), time_ms_(time_ms) {}
+  Distances(const Module& module, Filter filter, double time_ms)
+      : module_(module), filter_(filter), time_ms_(time_ms) {}
 
   /// Fills in the distances of a visit and all below it.
   void measure(Visit& visit, const glm::dmat3& object_from_root) {

@@ -1,5 +1,5 @@
-// The walk over a module, and what the trees of objects make of the borders of cubes and tiles. What is said of a source
-// alone stands in lint_sources.cpp.
+// The walk over a module, and what the trees of objects make of the borders of cubes and tiles. What is said of a
+// source alone stands in lint_sources.cpp.
 #include "compiler/reference/lint.h"
 
 #include <fmt/format.h>
@@ -84,7 +84,8 @@ class Linter {
   void check_point(const Object& object, const glm::dvec3& p, double t, Id<Sdf> own_border);
   void check_seams(const Object& object, Id<Sdf> id, double t);
   bool shows_seam(const Object& object, const glm::dvec3& p, double t, Id<Sdf> id) const;
-  std::optional<Id<Node>> leaf_at(const Object& object, const glm::dvec3& p, double t, Id<Sdf> chosen, bool inside) const;
+  std::optional<Id<Node>> leaf_at(const Object& object, const glm::dvec3& p, double t, Id<Sdf> chosen,
+                                  bool inside) const;
   std::optional<double> source_value(const Sdf& sdf, const glm::dvec3& q, double t) const;
   std::optional<double> value(const Sdf& sdf, const glm::dvec3& p, double t, std::size_t first = 0) const;
   bool is_empty_leaf(Id<Node> node) const;
@@ -171,7 +172,8 @@ void Linter::check_own_border(const Object& object, Id<Sdf> id, double t) {
   const Sdf& sdf = at(module_.sdfs, id);
   const Snippet* snippet = snippet_of(sdf);
   if (snippet == nullptr || sdf.placement == voml::Placement::tiled || sdf.local_from_object.empty()) return;
-  if (!ends_at_nothing_[id.index] || sdf.local_from_object.front() == Affine{}) return;  // the object's border is seen to
+  if (!ends_at_nothing_[id.index] || sdf.local_from_object.front() == Affine{})
+    return;  // the object's border is seen to
   const Affine object_from_local = inverse(sdf.local_from_object.front());
   for (const glm::dvec3& border : border_points()) {
     const glm::dvec3 q = border * (1.0 - 1e-9);  // rounding must not take it out of the cube
@@ -223,14 +225,15 @@ void Linter::check_seams(const Object& object, Id<Sdf> id, double t) {
       glm::dvec3 opposite = face;
       opposite[axis] = -face[axis];
       const auto here = source_value(sdf, face, t), there = source_value(sdf, opposite, t);
-      const bool is_cut = here && there && *here < sdf.iso - seam_margin && *there > sdf.iso + seam_margin;
+      const bool is_cut = here && there && *here<sdf.iso - seam_margin&& * there> sdf.iso + seam_margin;
       if (!is_cut || !shows_seam(object, p, t, id)) continue;
       reported_[id.index] = true;
       diagnostics_.report(
           Code::tile_cut, sdf.span,
-          fmt::format("the surface of the SDF '{}' is cut at the edge of its tile: at {} it is {:.3g}, and {:.3g} where the "
-                      "next tile begins; a tile's opposite faces must be equal, or empty",
-                      sdf.name, snippet::describe(face, t, uses_time(sdf)), *here, *there));
+          fmt::format(
+              "the surface of the SDF '{}' is cut at the edge of its tile: at {} it is {:.3g}, and {:.3g} where the "
+              "next tile begins; a tile's opposite faces must be equal, or empty",
+              sdf.name, snippet::describe(face, t, uses_time(sdf)), *here, *there));
       break;
     }
   }

@@ -26,8 +26,8 @@ constexpr double last_t_ms = 3.6e6;  // up to which lint looks
 
 enum class Answer { yes, no, open };
 
-/// Is there a point of the cube where the function is on the other side than `is_inside`? The box that may reach farthest
-/// over iso is halved first, and its centre tried.
+/// Is there a point of the cube where the function is on the other side than `is_inside`? The box that may reach
+/// farthest over iso is halved first, and its centre tried.
 Answer is_elsewhere(const Snippet& snippet, double iso, bool is_inside) {
   constexpr std::size_t most_boxes = 2000, most_instructions = 2'000'000;
   const snippet::BoxFunction function(snippet, {0.0, snippet.uses_time() ? last_t_ms : 0.0});
@@ -92,7 +92,8 @@ Doubts find_doubts(const Snippet& snippet, double iso) {
       const glm::vec3 p = point_beside(inner_points()[i]);
       snippet::RoundingDoubt doubt = snippet::rounding_doubt(snippet, p, static_cast<float>(t));
       ++doubts.tried;
-      const bool is_open = doubt.bounds.lo <= iso && doubt.bounds.hi > iso && std::abs(doubt.exact - iso) > near_surface;
+      const bool is_open =
+          doubt.bounds.lo <= iso && doubt.bounds.hi > iso && std::abs(doubt.exact - iso) > near_surface;
       if (!is_open) continue;
       ++doubts.open;
       doubts.different += std::abs(doubt.single - doubt.exact) > near_surface ? 1 : 0;
@@ -155,8 +156,8 @@ void SourceLint::report_gradient(const Sdf& sdf, const Steepest& steepest, bool 
 
 // ---- W0404 ----
 
-/// Samples must all be on one side, at all times; and either intervals prove the rest, or they do not disprove it and the
-/// samples stay farther from iso than the function changes between them.
+/// Samples must all be on one side, at all times; and either intervals prove the rest, or they do not disprove it and
+/// the samples stay farther from iso than the function changes between them.
 bool SourceLint::report_missing_surface(const Sdf& sdf, Id<Function> id, double steepest) {
   const Snippet& snippet = at(module_.functions, id).snippet;
   Extremes all;
@@ -173,18 +174,21 @@ bool SourceLint::report_missing_surface(const Sdf& sdf, Id<Function> id, double 
   return true;
 }
 
-void SourceLint::report_one_side(const Sdf& sdf, const Extremes& extremes, bool is_inside, bool uses_time, bool is_grid) {
+void SourceLint::report_one_side(const Sdf& sdf, const Extremes& extremes, bool is_inside, bool uses_time,
+                                 bool is_grid) {
   const glm::dvec3& p = is_inside ? extremes.at_most : extremes.at_least;
   const std::string where =
       is_grid ? "" : " at " + snippet::describe(p, is_inside ? extremes.most_t_ms : extremes.least_t_ms, uses_time);
   const std::string offset = sdf.iso != 0.0 ? fmt::format(", and its offset is {:.6g}", sdf.iso) : "";
   diagnostics_.report(
       Code::surface_missing, sdf.span,
-      fmt::format("the SDF '{}' is {} everywhere: its {} {}{} is {:.6g}{}{}", sdf.name, is_inside ? "inside" : "outside",
-                  is_inside ? "largest" : "least", is_grid ? "sample" : "value in the standard cube [-1,1]^3", where,
-                  is_inside ? extremes.most : extremes.least, offset,
-                  is_inside ? "; it has no surface but the faces of that cube, and a shape of another size needs a scale"
-                            : "; nothing lies inside of it, and a shape of another size or place needs a scale or a translate"));
+      fmt::format(
+          "the SDF '{}' is {} everywhere: its {} {}{} is {:.6g}{}{}", sdf.name, is_inside ? "inside" : "outside",
+          is_inside ? "largest" : "least", is_grid ? "sample" : "value in the standard cube [-1,1]^3", where,
+          is_inside ? extremes.most : extremes.least, offset,
+          is_inside
+              ? "; it has no surface but the faces of that cube, and a shape of another size needs a scale"
+              : "; nothing lies inside of it, and a shape of another size or place needs a scale or a translate"));
 }
 
 void SourceLint::check_grid(const Sdf& sdf, const voml::Grid& grid) {
@@ -209,13 +213,15 @@ void SourceLint::check_rounding(const Sdf& sdf, const Snippet& snippet) {
   if (share(has_jump ? doubts.open : doubts.different) < least_share) return;
   const std::string where = snippet::describe(doubts.p, doubts.t_ms, snippet.uses_time());
   const std::string cause =
-      has_jump ? fmt::format("{}, which float32 knows to within {:.2g} only", doubts.first.jump, doubts.first.operand_width)
-               : fmt::format("float32 comes to {:.3g} where the value is {:.3g}", doubts.first.single, doubts.first.exact);
+      has_jump
+          ? fmt::format("{}, which float32 knows to within {:.2g} only", doubts.first.jump, doubts.first.operand_width)
+          : fmt::format("float32 comes to {:.3g} where the value is {:.3g}", doubts.first.single, doubts.first.exact);
   diagnostics_.report(
       Code::rounding_decides, sdf.span,
-      fmt::format("the side of the SDF '{}' depends on rounding at {:.0f} % of the points of its cube, as at {}: {}; pictures "
-                  "differ between devices. op_noise of #include <sdf>, or a hash of integers, does not depend on it",
-                  sdf.name, 100.0 * share(doubts.open), where, cause));
+      fmt::format(
+          "the side of the SDF '{}' depends on rounding at {:.0f} % of the points of its cube, as at {}: {}; pictures "
+          "differ between devices. op_noise of #include <sdf>, or a hash of integers, does not depend on it",
+          sdf.name, 100.0 * share(doubts.open), where, cause));
 }
 
 }  // namespace dmvv::compiler

@@ -55,7 +55,8 @@ Tested wrap(Approximate& q) {
   return {true, glm::all(glm::greaterThan(to_seam, q.error()))};
 }
 
-/// Largest difference between neighbouring texels of a bitmap along each axis; it goes on at its opposite side; values 0..1.
+/// Largest difference between neighbouring texels of a bitmap along each axis; it goes on at its opposite side; values
+/// 0..1.
 glm::dvec3 measure(const voml::Bitmap& bitmap) {
   const std::size_t n = bitmap.n;
   glm::ivec3 slope(0);
@@ -80,12 +81,12 @@ glm::dvec3 measure(const voml::Bitmap& bitmap) {
 struct Reference::Impl {
   const Module& module;
   Options options;
-  std::vector<voml::Grid> stored;                         // of each grid, unless the format keeps all values
+  std::vector<voml::Grid> stored;  // of each grid, unless the format keeps all values
   std::vector<GridBounds> bounds_of_grids;
   std::vector<glm::dvec3> bitmap_slopes;
-  double bitmap_atlas_texels = 0.0;  // no side of the bitmaps' atlas is longer
-  std::vector<LocalBox> boxes;                            // of each SDF
-  std::vector<std::optional<Lookup>> seeds;               // of each SDF
+  double bitmap_atlas_texels = 0.0;                        // no side of the bitmaps' atlas is longer
+  std::vector<LocalBox> boxes;                             // of each SDF
+  std::vector<std::optional<Lookup>> seeds;                // of each SDF
   std::vector<std::vector<std::optional<Lookup>>> groups;  // of each region and group
 
   Impl(const Module& m, Options o) : module(m), options(o) {
@@ -223,8 +224,8 @@ struct Reference::Impl {
     return std::get<Id<Region>>(at(module.nodes, node).content);
   }
 
-  /// Evaluates an object at a point of its cube. True if it is not empty there; then `out` has the answer. What is asked
-  /// is told to `visits`, if that is given.
+  /// Evaluates an object at a point of its cube. True if it is not empty there; then `out` has the answer. What is
+  /// asked is told to `visits`, if that is given.
   bool evaluate(Id<Object> object, const Approximate& p, double time_ms, ReferenceAnswer& out,
                 std::vector<Visit>* visits) const {
     Visit* const visit = visits ? &visits->emplace_back() : nullptr;
@@ -257,8 +258,8 @@ struct Reference::Impl {
     return false;
   }
 
-  bool ask_group(const CandidateGroup& group, const std::optional<Lookup>& lookup, const Approximate& p,
-                 double time_ms, ReferenceAnswer& out, AskedGroup* asked) const {
+  bool ask_group(const CandidateGroup& group, const std::optional<Lookup>& lookup, const Approximate& p, double time_ms,
+                 ReferenceAnswer& out, AskedGroup* asked) const {
     Approximate in_frame = p;
     if (group.box_from_object) {
       in_frame = apply(*group.box_from_object, p);

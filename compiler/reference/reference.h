@@ -27,7 +27,7 @@ class Reference {
     /// Samples are read as this format stores them. What normalised formats store depends on all users of a grid: give
     /// the module after run_passes, as `compile` stores it.
     TexelFormat format = TexelFormat::r32f;
-    Filter filter = Filter::hardware;        ///< trilinear, or tricubic
+    Filter filter = Filter::hardware;  ///< trilinear, or tricubic
   };
 
   /// Keeps a reference to `module`, which must outlive it. Cost: building the lookup grids.

@@ -78,7 +78,8 @@ class Assembler {
     add(fmt::format("float {}(vec3 p, float t) {{\n", body_function));
     depth_ = 1;
     add_text(prepared_.texts[body]);
-    if (keeps_literals_) shader_.glsl.replace(declarations, 1, shader_.literals.empty() ? "\n" : shader_.literals.declaration());
+    if (keeps_literals_)
+      shader_.glsl.replace(declarations, 1, shader_.literals.empty() ? "\n" : shader_.literals.declaration());
     add(fmt::format("}}\nvoid main() {{ dmvv_distance = {}(dmvv_p, dmvv_t); }}\n", body_function));
     return std::move(shader_);
   }
@@ -92,7 +93,8 @@ class Assembler {
     brackets_ += token.is("[") ? 1 : token.is("]") ? -1 : 0;
     if (token.is("const")) in_constant_ = true;
     if (token.is(";") || token.is("{")) in_constant_ = false;
-    return depth_ > 0 && brackets_ == 0 && !in_constant_ && token.kind == Token::Kind::number && is_float_literal(token.word);
+    return depth_ > 0 && brackets_ == 0 && !in_constant_ && token.kind == Token::Kind::number &&
+           is_float_literal(token.word);
   }
 
   void add(std::string_view ours) {
@@ -111,7 +113,8 @@ class Assembler {
     ++statement_;
     for (const Token& token : text.tokens) {
       last_ = &token;
-      shader_.glsl.append(may_be_kept(token) ? shader_.literals.place_of(token.word) : std::string(token.word)).append("\n");
+      shader_.glsl.append(may_be_kept(token) ? shader_.literals.place_of(token.word) : std::string(token.word))
+          .append("\n");
       shader_.lines.push_back({last_, false, false, statement_});
       if (token.is(";") || token.is("{") || token.is("}")) ++statement_;
     }
@@ -731,10 +734,11 @@ void Compilation::report_unset(const std::vector<std::uint32_t>& spirv, bool use
     const std::string_view name = mention != nullptr ? mention->author : std::string_view(read.variable.name);
     std::string message =
         read.variable.is_out
-            ? fmt::format("the 'out' parameter '{}' is not set on every way through its function, as at {}; set it first",
-                          name, where)
-            : fmt::format("the variable '{}' is read before it is set, as at {}; give it a value where it is declared", name,
-                          where);
+            ? fmt::format(
+                  "the 'out' parameter '{}' is not set on every way through its function, as at {}; set it first", name,
+                  where)
+            : fmt::format("the variable '{}' is read before it is set, as at {}; give it a value where it is declared",
+                          name, where);
     const Token* declared = mention != nullptr ? declaration_before(*mention) : nullptr;
     std::vector<Note> notes;
     if (declared != nullptr && declared != mention) notes.push_back({span_of(*declared), "it is declared here"});

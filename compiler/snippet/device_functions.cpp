@@ -111,9 +111,9 @@ struct DeviceFunction {
 };
 
 constexpr std::array functions = {
-    DeviceFunction{Op::f_atan, atan_unit, atan_one},  DeviceFunction{Op::f_atan2, atan_unit, atan_two},
-    DeviceFunction{Op::f_asin, asin_part, asin_one},  DeviceFunction{Op::f_acos, asin_part, acos_one},
-    DeviceFunction{Op::f_tanh, {}, tanh_one},         DeviceFunction{Op::f_asinh, {}, asinh_one},
+    DeviceFunction{Op::f_atan, atan_unit, atan_one}, DeviceFunction{Op::f_atan2, atan_unit, atan_two},
+    DeviceFunction{Op::f_asin, asin_part, asin_one}, DeviceFunction{Op::f_acos, asin_part, acos_one},
+    DeviceFunction{Op::f_tanh, {}, tanh_one},        DeviceFunction{Op::f_asinh, {}, asinh_one},
     DeviceFunction{Op::f_acosh, {}, acosh_one},
 };
 

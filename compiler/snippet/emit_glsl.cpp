@@ -25,8 +25,9 @@ namespace dmvv::compiler::snippet {
 
 namespace {
 
-constexpr std::size_t longest_inlined = 64;  // characters of an expression that is written into another, literals not counted
-constexpr int most_nested = 60;              // branches that replace the exits of a block
+constexpr std::size_t longest_inlined =
+    64;                          // characters of an expression that is written into another, literals not counted
+constexpr int most_nested = 60;  // branches that replace the exits of a block
 /// Rounds of a loop on a device; lavapipe allows as many to a shader invocation. Loops that do not end were refused.
 constexpr int most_rounds = 65535;
 
@@ -203,7 +204,7 @@ Form form_of(Op op) {
 
     case Op::i_rem:
       return {"$0 - $0 / $1 * $1", sum};  // % of negative operands is open in GLSL
-    case Op::i_mod:  // likewise; the quotient rounded down
+    case Op::i_mod:                       // likewise; the quotient rounded down
       return {"$0 - ($0 / $1 - int(($0 ^ $1) < 0 && $0 / $1 * $1 != $0)) * $1", sum};
     case Op::u_mod:
       return {"$0 % $1", product};
@@ -273,10 +274,11 @@ bool never_ends(const Sequence& sequence) {
   return last.kind == Node::Kind::branch && never_ends(last.body) && never_ends(last.other);
 }
 
-/// Characters but for those of numbers: snippets that differ in constants alone are written alike (compiler/glsl/families.h).
+/// Characters but for those of numbers: snippets that differ in constants alone are written alike
+/// (compiler/glsl/families.h).
 std::size_t length_without_numbers(std::string_view text) {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(text, [](char c) { return std::string_view("0123456789.-").find(c) == std::string_view::npos; }));
+  return static_cast<std::size_t>(std::ranges::count_if(
+      text, [](char c) { return std::string_view("0123456789.-").find(c) == std::string_view::npos; }));
 }
 
 bool leaves(const Sequence& sequence) {
@@ -305,8 +307,8 @@ void nest(Sequence& sequence, int depth) {
 }
 
 /// A pattern with everything in its place; `result` is the name of $r, and $x that of the result not wanted.
-std::string filled(std::string_view pattern, const std::array<std::string, 3>& operands, std::string_view function_prefix,
-                   std::string_view result) {
+std::string filled(std::string_view pattern, const std::array<std::string, 3>& operands,
+                   std::string_view function_prefix, std::string_view result) {
   std::string text;
   for (std::size_t i = 0; i < pattern.size(); ++i) {
     if (pattern[i] == '@') {
@@ -449,7 +451,8 @@ class Emitter {
     for (std::size_t k = 0; k < hoisted_.size(); ++k) {
       const std::size_t slot = first + hoisted_[k].first_slot;
       const Type type = hoisted_[k].type;
-      line("{} t{} = {};", type_name(type), k, time_value_text(type, fmt::format("{}", slot), fmt::format("{}", slot + 1)));
+      line("{} t{} = {};", type_name(type), k,
+           time_value_text(type, fmt::format("{}", slot), fmt::format("{}", slot + 1)));
     }
   }
 

@@ -61,7 +61,8 @@ class BoxMachine {
   using Cells = std::vector<Cell<Domain>>;
   using Real = typename Domain::Real;
 
-  BoxMachine(const Program& program, const std::array<Real, Program::input_count>& inputs, std::span<const BoxValue> hoisted)
+  BoxMachine(const Program& program, const std::array<Real, Program::input_count>& inputs,
+             std::span<const BoxValue> hoisted)
       : program_(program), cells_(program.register_count() + hoisted.size()), starts_(array_starts(program)) {
     for (Cell<Domain>& cell : cells_) cell.f = Interval{0.0, 0.0};
     for (Register r = 0; r < Program::input_count; ++r) cells_[r].f = inputs[r];
@@ -137,8 +138,10 @@ class BoxMachine {
   }
   void resume(const Place& place) {
     if (!place.is_taken) return;
-    if (alive_) join(place.waiting);
-    else restore(place.waiting);
+    if (alive_)
+      join(place.waiting);
+    else
+      restore(place.waiting);
     alive_ = true;
   }
   void wait_in(Place& place) {
@@ -291,7 +294,8 @@ Interval evaluate_box(const Program& program, const std::array<Interval, Program
     for (std::size_t i = 0; i < inputs.size(); ++i) rounded[i] = Domain::input(inputs[i]);
     return BoxMachine<Domain>(program, rounded, hoisted).run();
   };
-  return rounding == Rounding::real ? run.template operator()<Rounding::real>() : run.template operator()<Rounding::float32>();
+  return rounding == Rounding::real ? run.template operator()<Rounding::real>()
+                                    : run.template operator()<Rounding::float32>();
 }
 
 BoxAndJump evaluate_box_and_jump(const Program& program, const std::array<Interval, Program::input_count>& inputs,

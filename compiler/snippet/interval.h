@@ -73,8 +73,8 @@ constexpr DeviceError device_error(Op op) {
   }
 }
 
-/// As std::fmin, std::fmax and std::nextafter towards an infinity, but for signs of zeros: those are calls of a library, and
-/// intervals of large snippets consist of little else.
+/// As std::fmin, std::fmax and std::nextafter towards an infinity, but for signs of zeros: those are calls of a
+/// library, and intervals of large snippets consist of little else.
 inline double smaller(double a, double b) { return a < b || b != b ? a : b; }
 inline double larger(double a, double b) { return a > b || b != b ? a : b; }
 inline double next_up(double x) {
@@ -149,9 +149,7 @@ struct IntervalDomain : IntegerIntervalOps {
   static double size(R a) { return larger(std::abs(a.lo), std::abs(a.hi)); }
   static double least(R a) { return contains(a, 0.0) ? 0.0 : smaller(std::abs(a.lo), std::abs(a.hi)); }
   static Interval whole(bool nan) { return {-infinity, infinity, nan}; }
-  static Interval intersect(R a, R b) {
-    return {larger(a.lo, b.lo), smaller(a.hi, b.hi), a.maybe_nan && b.maybe_nan};
-  }
+  static Interval intersect(R a, R b) { return {larger(a.lo, b.lo), smaller(a.hi, b.hi), a.maybe_nan && b.maybe_nan}; }
   /// f is monotonic and never decreases.
   template <class Function>
   static Interval rising(R a, const Function& f) {
@@ -248,8 +246,9 @@ struct IntervalDomain : IntegerIntervalOps {
   }
   static Interval f_mix(R a, R b, R c) {
     // Of either usual formula.
-    const double error = 4 * unit * (size(a) + size(b)) * (1.0 + size(c)) + (float32 ? denormal * (2.0 + size(c)) : 0.0);
-    if (!(error < 1e30)) return whole(true);                                // products may overflow
+    const double error =
+        4 * unit * (size(a) + size(b)) * (1.0 + size(c)) + (float32 ? denormal * (2.0 + size(c)) : 0.0);
+    if (!(error < 1e30)) return whole(true);  // products may overflow
     const Interval composed = f_add(f_mul(a, f_sub({1.0, 1.0}, c)), f_mul(b, c));
     const Interval between = hull(a, b);
     const double beyond = larger(0.0, larger(-c.lo, c.hi - 1.0)) * (size(a) + size(b)) + error;

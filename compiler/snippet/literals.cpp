@@ -14,7 +14,8 @@ namespace {
 
 using Word = std::uint32_t;
 constexpr std::string_view array_name = "dmvv_literals";
-/// Elements along each of the array's three dimensions: few different indices, and no more scalars than a value may have.
+/// Elements along each of the array's three dimensions: few different indices, and no more scalars than a value may
+/// have.
 constexpr std::size_t edge = 40;
 constexpr std::size_t most = edge * edge * edge;
 
@@ -65,7 +66,8 @@ class Restorer {
           }
           break;
         case spv::OpLoad:
-          if (const auto pointer = pointers.find(operands[2]); pointer != pointers.end()) loads_[operands[1]] = pointer->second;
+          if (const auto pointer = pointers.find(operands[2]); pointer != pointers.end())
+            loads_[operands[1]] = pointer->second;
           break;
         default:
           break;
@@ -77,9 +79,9 @@ class Restorer {
     const auto op = static_cast<spv::Op>(instruction.opcode);
     const Word* words = instruction.words;
     if (op == spv::OpFunction && !constants_written_) write_constants();
-    const bool is_of_array = (op == spv::OpName && words[1] == array_) || (op == spv::OpVariable && words[2] == array_) ||
-                             (op == spv::OpAccessChain && words[3] == array_) ||
-                             (op == spv::OpLoad && loads_.contains(words[2]));
+    const bool is_of_array =
+        (op == spv::OpName && words[1] == array_) || (op == spv::OpVariable && words[2] == array_) ||
+        (op == spv::OpAccessChain && words[3] == array_) || (op == spv::OpLoad && loads_.contains(words[2]));
     if (is_of_array) return;
     const std::size_t begin = out_.size();
     out_.insert(out_.end(), words, words + instruction.num_words);

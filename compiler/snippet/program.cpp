@@ -100,10 +100,14 @@ const OpInfo& info(Op op) { return op_table[static_cast<std::size_t>(op)]; }
 
 Type type_of_letter(char letter) {
   switch (letter) {
-    case 'f': return Type::real;
-    case 'i': return Type::integer;
-    case 'u': return Type::unsigned_integer;
-    default: return Type::boolean;
+    case 'f':
+      return Type::real;
+    case 'i':
+      return Type::integer;
+    case 'u':
+      return Type::unsigned_integer;
+    default:
+      return Type::boolean;
   }
 }
 

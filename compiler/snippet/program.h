@@ -116,8 +116,8 @@ struct Program {
   friend bool operator==(const Program&, const Program&) = default;
 };
 
-/// Conditions that stand inside each other once a driver has made branches of early exits: what follows a branch that may
-/// leave its block or loop counts as inside its other side.
+/// Conditions that stand inside each other once a driver has made branches of early exits: what follows a branch that
+/// may leave its block or loop counts as inside its other side.
 std::uint32_t nesting(const Sequence& sequence);
 
 /// The program as text, stable: for tests and for reading.

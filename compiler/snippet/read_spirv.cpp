@@ -18,8 +18,8 @@ namespace dmvv::compiler::snippet {
 namespace {
 
 constexpr std::size_t max_depth = 200;
-constexpr std::size_t max_chain = 16;  ///< cases of a switch that become else-ifs
-constexpr std::size_t many_calls = 64;  ///< in one block
+constexpr std::size_t max_chain = 16;                       ///< cases of a switch that become else-ifs
+constexpr std::size_t many_calls = 64;                      ///< in one block
 constexpr std::uint64_t max_instructions = 1u << 19;        ///< of the program; an evaluation may execute twice as many
 constexpr std::uint64_t max_spirv_instructions = 1u << 20;  ///< after inlining; some 5 a statement
 
@@ -447,7 +447,8 @@ Words with_calls_apart(std::span<const std::uint32_t> words) {
   for (std::size_t at = 5; at < words.size(); at += words[at] >> 16) {
     const std::uint32_t op = words[at] & 0xffffu, length = words[at] >> 16;
     const std::size_t begin = out.size();
-    out.insert(out.end(), words.begin() + static_cast<std::ptrdiff_t>(at), words.begin() + static_cast<std::ptrdiff_t>(at + length));
+    out.insert(out.end(), words.begin() + static_cast<std::ptrdiff_t>(at),
+               words.begin() + static_cast<std::ptrdiff_t>(at + length));
     if (op == spv::OpLabel) {
       label = words[at + 1];
       const auto divided = calls.find(label);
@@ -465,12 +466,12 @@ Words with_calls_apart(std::span<const std::uint32_t> words) {
 }
 
 Result<Words> prepare(std::span<const std::uint32_t> spirv) {
-  const auto inlined = optimize(
-      with_calls_apart(spirv), false,
-      list(spvtools::CreateMergeReturnPass(), spvtools::CreateInlineExhaustivePass(),
-                  spvtools::CreateEliminateDeadFunctionsPass(), spvtools::CreatePrivateToLocalPass(),
-                  spvtools::CreateScalarReplacementPass(0), spvtools::CreateLocalAccessChainConvertPass(),
-                  spvtools::CreateLocalSingleBlockLoadStoreElimPass(), spvtools::CreateLocalSingleStoreElimPass()));
+  const auto inlined =
+      optimize(with_calls_apart(spirv), false,
+               list(spvtools::CreateMergeReturnPass(), spvtools::CreateInlineExhaustivePass(),
+                    spvtools::CreateEliminateDeadFunctionsPass(), spvtools::CreatePrivateToLocalPass(),
+                    spvtools::CreateScalarReplacementPass(0), spvtools::CreateLocalAccessChainConvertPass(),
+                    spvtools::CreateLocalSingleBlockLoadStoreElimPass(), spvtools::CreateLocalSingleStoreElimPass()));
   if (!inlined) return inlined;
   return optimize(without_unused_chains(*inlined), true, list(spvtools::CreateSSARewritePass()));
 }
@@ -478,7 +479,8 @@ Result<Words> prepare(std::span<const std::uint32_t> spirv) {
 }  // namespace
 
 Result<Program> read_spirv(std::span<const std::uint32_t> spirv) {
-  if (const auto calls = check_calls(spirv, max_spirv_instructions); !calls) return tl::unexpected<Error>(calls.error());
+  if (const auto calls = check_calls(spirv, max_spirv_instructions); !calls)
+    return tl::unexpected<Error>(calls.error());
   const auto prepared = prepare(spirv);
   if (!prepared) return tl::unexpected<Error>(prepared.error());
   const auto module = parse_spirv(*prepared);

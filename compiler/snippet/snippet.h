@@ -3,7 +3,8 @@
 //
 //   body text + what it may call --glslang--> SPIR-V --spirv-opt, read--> Program --> double | interval | dual | GLSL
 //
-// Whatever evaluates a snippet evaluates the same Program: names, helper functions and legacy spellings are gone by then.
+// Whatever evaluates a snippet evaluates the same Program: names, helper functions and legacy spellings are gone by
+// then.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +30,7 @@ struct Interval {
 
 /// What interval results must enclose.
 enum class Rounding : std::uint8_t {
-  real,     ///< the real-valued function (and its double evaluation): bounds rounded outward in double
+  real,  ///< the real-valued function (and its double evaluation): bounds rounded outward in double
   /// Also every float32 evaluation on a device: each operation widened by its permitted error, time values (see below)
   /// by the rounding of each; t itself never reaches a device, so it is not rounded.
   float32,
@@ -88,7 +89,8 @@ class Snippet {
   /// not decided within the budget, or an instruction that is not understood, gives the unknown interval: never wrong.
   Interval evaluate(const Box& p, const Interval& t_ms, Rounding rounding) const;
 
-  /// Of f over a box, at any time of a span. Bounds are those of the whole: cheap (some 0.1 us an instruction) and coarse.
+  /// Of f over a box, at any time of a span. Bounds are those of the whole: cheap (some 0.1 us an instruction) and
+  /// coarse.
   Steepness steepness(const Box& p, const Interval& t_ms) const;
 
   /// Value and derivatives by forward differentiation. At kinks one of the one-sided derivatives.

@@ -1,8 +1,8 @@
-// How steep the operations of a program are: a range of values, a Lipschitz bound by the point p, and a bound of the float32
-// error, carried through arithmetic by the chain rule. What jumps, or is not understood, is infinitely steep.
+// How steep the operations of a program are: a range of values, a Lipschitz bound by the point p, and a bound of the
+// float32 error, carried through arithmetic by the chain rule. What jumps, or is not understood, is infinitely steep.
 //
-// Lengths are the reason for more than one bound: the root of a sum of squares has no bounded derivative by the sum, but
-// |v(p)| is no steeper than v. So a sum of squares remembers the Jacobian of v as J^T J (its Gram matrix).
+// Lengths are the reason for more than one bound: the root of a sum of squares has no bounded derivative by the sum,
+// but |v(p)| is no steeper than v. So a sum of squares remembers the Jacobian of v as J^T J (its Gram matrix).
 #pragma once
 
 #include <array>
@@ -51,7 +51,8 @@ struct Steep {
 
 /// Of two ways to the same place: the value jumps between them unless it is the same.
 inline Steep hull(const Steep& a, const Steep& b) {
-  const bool is_constant = a.v.lo == a.v.hi && a.v == b.v && a.slope == 0.0 && b.slope == 0.0 && a.error == 0.0 && b.error == 0.0;
+  const bool is_constant =
+      a.v.lo == a.v.hi && a.v == b.v && a.slope == 0.0 && b.slope == 0.0 && a.error == 0.0 && b.error == 0.0;
   if (a.identity == b.identity || is_constant) return a;
   Steep out(hull(a.v, b.v));
   out.forget();
@@ -94,7 +95,8 @@ struct SteepDomain : IntegerIntervalOps {
     return out;
   }
   /// f(a, b) with its partial derivatives.
-  static Steep chain(const Interval& f, const Interval& by_a, R a, const Interval& by_b, R b, const DeviceError& device) {
+  static Steep chain(const Interval& f, const Interval& by_a, R a, const Interval& by_b, R b,
+                     const DeviceError& device) {
     Steep out;
     out.v = f;
     out.slope = (product(size(by_a), a.slope) + product(size(by_b), b.slope)) * (1.0 + 0x1p-40);
@@ -132,20 +134,17 @@ struct SteepDomain : IntegerIntervalOps {
     }
     return out;
   }
-  static Steep f_sub(R a, R b) {
-    return chain(Range::f_sub(a.v, b.v), one, a, minus_one, b, device_error(Op::f_sub));
-  }
+  static Steep f_sub(R a, R b) { return chain(Range::f_sub(a.v, b.v), one, a, minus_one, b, device_error(Op::f_sub)); }
   static Steep f_neg(R a) { return chain(Range::f_neg(a.v), minus_one, a, none); }
-  static Steep f_mul(R a, R b) {
-    return chain(Range::f_mul(a.v, b.v), b.v, a, a.v, b, device_error(Op::f_mul));
-  }
+  static Steep f_mul(R a, R b) { return chain(Range::f_mul(a.v, b.v), b.v, a, a.v, b, device_error(Op::f_mul)); }
   static Steep square(R a) {
     Steep out = chain(Range::square(a.v), Exact::f_add(a.v, a.v), a, device_error(Op::f_mul));
     if (!std::isfinite(a.slope)) return out;
     const auto& g = a.gradient;
-    out.squares = Steep::Squares{{Exact::square(g[0]), Exact::square(g[1]), Exact::square(g[2]), Exact::f_mul(g[0], g[1]),
-                                  Exact::f_mul(g[0], g[2]), Exact::f_mul(g[1], g[2])},
-                                 a.error * a.error, 1};
+    out.squares = Steep::Squares{{Exact::square(g[0]), Exact::square(g[1]), Exact::square(g[2]),
+                                  Exact::f_mul(g[0], g[1]), Exact::f_mul(g[0], g[2]), Exact::f_mul(g[1], g[2])},
+                                 a.error * a.error,
+                                 1};
     return out;
   }
   static Steep f_div(R a, R b) {
@@ -154,8 +153,12 @@ struct SteepDomain : IntegerIntervalOps {
   }
   static Steep f_fma(R a, R b, R c) { return f_add(f_mul(a, b), c); }
   /// Where the quotient's whole part is one and the same.
-  static Steep f_mod(R a, R b) { return remainder(Range::f_mod(a.v, b.v), Range::f_floor(Range::f_div(a.v, b.v)), a, b); }
-  static Steep f_rem(R a, R b) { return remainder(Range::f_rem(a.v, b.v), Range::f_trunc(Range::f_div(a.v, b.v)), a, b); }
+  static Steep f_mod(R a, R b) {
+    return remainder(Range::f_mod(a.v, b.v), Range::f_floor(Range::f_div(a.v, b.v)), a, b);
+  }
+  static Steep f_rem(R a, R b) {
+    return remainder(Range::f_rem(a.v, b.v), Range::f_trunc(Range::f_div(a.v, b.v)), a, b);
+  }
   static Steep remainder(const Interval& f, const Interval& whole, R a, R b) {
     if (whole.lo != whole.hi) return unknown(f);
     return chain(f, one, a, Exact::f_neg(whole), b, {0.0, Range::remainder_error(a.v, b.v)});
@@ -234,9 +237,7 @@ struct SteepDomain : IntegerIntervalOps {
     const Interval f = Range::f_exp2(a.v);
     return chain(f, Exact::f_mul(f, {std::numbers::ln2, std::numbers::ln2}), a, exponential_error(a));
   }
-  static Steep f_log(R a) {
-    return chain(Range::f_log(a.v), Exact::f_div(one, a.v), a, device_error(Op::f_log));
-  }
+  static Steep f_log(R a) { return chain(Range::f_log(a.v), Exact::f_div(one, a.v), a, device_error(Op::f_log)); }
   static Steep f_log2(R a) {
     const Interval scaled = Exact::f_div({1.0 / std::numbers::ln2, 1.0 / std::numbers::ln2}, a.v);
     return chain(Range::f_log2(a.v), scaled, a, device_error(Op::f_log2));

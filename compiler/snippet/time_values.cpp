@@ -531,8 +531,8 @@ void change_registers(Program& program, Change change) {
   program.result = change(program.result);
 }
 
-/// The program with those of its registers alone that it uses, in their order. A schedule has the registers of the whole
-/// program, and every slot evaluates its part anew.
+/// The program with those of its registers alone that it uses, in their order. A schedule has the registers of the
+/// whole program, and every slot evaluates its part anew.
 Program compacted(Program program) {
   std::vector<bool> used(program.register_count(), false);
   change_registers(program, [&](Register r) {
@@ -673,7 +673,8 @@ TimeSplit split_time(const Program& program) {
 std::vector<float> Snippet::time_values(double t_ms) const {
   std::vector<float> values;
   for (const TimeSlot& slot : split_->slots) {
-    values.push_back(static_cast<float>(reduce(evaluate_point<double>(slot.program, {0.0, 0.0, 0.0, t_ms}).f, slot.period)));
+    values.push_back(
+        static_cast<float>(reduce(evaluate_point<double>(slot.program, {0.0, 0.0, 0.0, t_ms}).f, slot.period)));
   }
   return values;
 }
@@ -744,8 +745,8 @@ std::vector<BoxValue> device_values(const TimeSplit& split, const Interval& t_ms
         break;
       case Type::boolean: {
         const Interval bit = slot(0);
-        value.i = bit.maybe_nan ? IntegerIntervalOps::any_bool
-                                : IntegerInterval{bit.lo > 0.5 ? 1 : 0, bit.hi < 0.5 ? 0 : 1};
+        value.i =
+            bit.maybe_nan ? IntegerIntervalOps::any_bool : IntegerInterval{bit.lo > 0.5 ? 1 : 0, bit.hi < 0.5 ? 0 : 1};
         break;
       }
       case Type::integer:

@@ -32,7 +32,8 @@ const std::vector<glm::dvec3>& points() {
   return all;
 }
 
-std::optional<Snippet> read(std::span<const std::uint32_t> spirv, std::span<const std::uint32_t> variables, float value) {
+std::optional<Snippet> read(std::span<const std::uint32_t> spirv, std::span<const std::uint32_t> variables,
+                            float value) {
   auto program = read_spirv(with_values(spirv, variables, value));
   if (!program) return std::nullopt;
   return Snippet(std::make_shared<const Program>(std::move(*program)));

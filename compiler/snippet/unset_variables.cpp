@@ -17,7 +17,7 @@ namespace {
 
 using Word = std::uint32_t;
 constexpr std::size_t header_words = 5;
-constexpr std::uint32_t most_parts = 256;             // of a variable; a larger one counts as one part
+constexpr std::uint32_t most_parts = 256;                // of a variable; a larger one counts as one part
 constexpr std::size_t most_flow = std::size_t{1} << 31;  // parts times blocks
 
 struct Instruction {
@@ -34,7 +34,8 @@ void for_each_instruction(std::span<const Word> words, const Visit& visit) {
   for (std::size_t at = header_words; at < words.size();) {
     const std::size_t length = words[at] >> 16;
     if (length == 0 || at + length > words.size()) return;
-    const Instruction instruction{static_cast<spv::Op>(words[at] & 0xffffu), words.subspan(at + 1, length - 1), at, line};
+    const Instruction instruction{static_cast<spv::Op>(words[at] & 0xffffu), words.subspan(at + 1, length - 1), at,
+                                  line};
     if (instruction.op == spv::OpLine) line = instruction.operands[1];
     visit(instruction);
     at += length;
@@ -118,7 +119,7 @@ struct Module {
   Word held_by(Word pointer) const {
     const auto variable = variables.find(pointer);
     const auto parameter = parameter_types.find(pointer);
-    const Word type = variable != variables.end()            ? variable->second.operands[0]
+    const Word type = variable != variables.end()          ? variable->second.operands[0]
                       : parameter != parameter_types.end() ? parameter->second
                                                            : 0;
     const auto known = types.find(type);
@@ -365,7 +366,8 @@ class Flow {
     std::vector<std::vector<std::size_t>> next(blocks);
     for (std::size_t b = 0; b < blocks; ++b) {
       for (const Instruction& instruction : function_.blocks[b].body) {
-        visit(instruction, [](const Range&) {}, [&](const Range& range) { set_bits(sets[b], range); });
+        visit(
+            instruction, [](const Range&) {}, [&](const Range& range) { set_bits(sets[b], range); });
       }
       next[b] = next_of(function_.blocks[b]);
     }
@@ -414,13 +416,14 @@ class Flow {
   std::vector<Word> variables_;
   std::vector<std::uint32_t> first_part_;  ///< parallel to variables_
   std::uint32_t part_count_ = 0;
-  std::vector<std::uint32_t> exposed_;  ///< parts
-  std::vector<std::uint32_t> index_;    ///< of a part among the exposed ones, or nowhere
+  std::vector<std::uint32_t> exposed_;             ///< parts
+  std::vector<std::uint32_t> index_;               ///< of a part among the exposed ones, or nowhere
   std::unordered_map<Word, std::size_t> numbers_;  ///< of blocks
   std::vector<Bits> set_at_;
 };
 
-/// Global variables without a value that are read: what the calls set is not followed, the entry point's own stores are.
+/// Global variables without a value that are read: what the calls set is not followed, the entry point's own stores
+/// are.
 void find_unset_globals(const Module& module, const Calls& calls, std::vector<UnsetVariable>& found) {
   std::set<Word> unset;
   for (const auto& [id, variable] : module.variables) {
@@ -450,7 +453,8 @@ void find_unset_globals(const Module& module, const Calls& calls, std::vector<Un
 /// Writes constants behind all others of a module.
 class ConstantWriter {
  public:
-  ConstantWriter(const Module& module, Word first_id, float value) : module_(module), next_id_(first_id), value_(value) {}
+  ConstantWriter(const Module& module, Word first_id, float value)
+      : module_(module), next_id_(first_id), value_(value) {}
 
   Word constant(Word type_id) {
     const auto [known, is_new] = known_.try_emplace(type_id, 0);
@@ -526,7 +530,8 @@ std::vector<std::uint32_t> with_values(std::span<const std::uint32_t> spirv, std
   bool in_functions = false, at_start = false;  // at_start: of a function's first block, where its variables stand
   std::size_t from = header_words;
   const auto copy_up_to = [&](std::size_t at) {
-    out.insert(out.end(), spirv.begin() + static_cast<std::ptrdiff_t>(from), spirv.begin() + static_cast<std::ptrdiff_t>(at));
+    out.insert(out.end(), spirv.begin() + static_cast<std::ptrdiff_t>(from),
+               spirv.begin() + static_cast<std::ptrdiff_t>(at));
     from = at;
   };
   for_each_instruction(spirv, [&](const Instruction& instruction) {

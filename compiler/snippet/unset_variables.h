@@ -17,10 +17,10 @@ struct UnsetVariable {
 };
 
 /// The variables of a module, as glslang made it, that control flow lets be read before they are set, in the order of
-/// their reads. Conditions are not looked at: what is set in one branch and read in a later one of the same condition is
-/// among them, so only `with_values` tells whether it matters. Parts of vectors, structures and small arrays are told
-/// apart; an index that is computed sets every element it may mean.
-/// Cost: linear in the module, and in blocks times variables that pass from block to block.
+/// their reads. Conditions are not looked at: what is set in one branch and read in a later one of the same condition
+/// is among them, so only `with_values` tells whether it matters. Parts of vectors, structures and small arrays are
+/// told apart; an index that is computed sets every element it may mean. Cost: linear in the module, and in blocks
+/// times variables that pass from block to block.
 std::vector<UnsetVariable> find_unset_variables(std::span<const std::uint32_t> spirv);
 
 /// The module with `value` (0 and 1: false and true) in all parts of these variables, where their function begins.

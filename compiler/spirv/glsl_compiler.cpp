@@ -45,8 +45,8 @@ CompiledGlsl compile_glsl(ShaderStage stage, const std::string& glsl, Lines line
 
 std::string code_key(ShaderStage stage, const std::string& glsl) {
   const glslang::Version version = glslang::GetVersion();
-  return "SPIR-V 1.5, Vulkan 1.2, glslang " + std::to_string(version.major) + "." + std::to_string(version.minor) + "." +
-         std::to_string(version.patch) + (stage == ShaderStage::vertex ? ", vertex\n" : ", compute\n") + glsl;
+  return "SPIR-V 1.5, Vulkan 1.2, glslang " + std::to_string(version.major) + "." + std::to_string(version.minor) +
+         "." + std::to_string(version.patch) + (stage == ShaderStage::vertex ? ", vertex\n" : ", compute\n") + glsl;
 }
 
 std::vector<std::uint32_t> find_code(const CodeCache& cache, const std::string& key) {

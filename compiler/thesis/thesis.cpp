@@ -98,7 +98,8 @@ Index index_of(const Region& region) {
   const auto add = [&](const CandidateGroup& group, bool may_tile) {
     std::uint32_t number = group.first_number;
     for (const Candidate& candidate : group.candidates) {
-      index.entries.push_back({candidate.local_from_parent, candidate.object.index, may_tile && candidate.tiled, number++});
+      index.entries.push_back(
+          {candidate.local_from_parent, candidate.object.index, may_tile && candidate.tiled, number++});
     }
   };
   for (const CandidateGroup& group : region.groups) {
@@ -194,10 +195,11 @@ bool fits_thesis(const Module& module, Diagnostics& diagnostics) {
   const auto check = [&](std::uint64_t needed, std::uint32_t limit, const char* what) {
     if (needed <= limit) return;
     fits = false;
-    diagnostics.report(Code::thesis_limit, {},
-                       fmt::format("the published implementation has room for {} {}; this scene needs {}: compile it in "
-                                   "another form than thesis",
-                                   limit, what, needed));
+    diagnostics.report(
+        Code::thesis_limit, {},
+        fmt::format("the published implementation has room for {} {}; this scene needs {}: compile it in "
+                    "another form than thesis",
+                    limit, what, needed));
   };
   check(module.sdfs.size(), thesis_limits.sdfs, "SDFs");
   check(module.regions.size(), thesis_limits.regions, "regions");

@@ -2,9 +2,9 @@
 //
 //   make_banana SCAN.obj PHOTO FITTED.ply FOLDER    writes peel.png, cores.txt, cores_rotate.txt, cores_scale.txt
 //
-// PHOTO lies on the scan's texture coordinates; FITTED.ply is the scan as `dmvv sdf --write-mesh` placed it in the cube.
-// The photo is moved into a 3D bitmap: each texel has the colour of the nearest point of the surface. The seeds of the
-// core are stations of the line through the middles of cross-sections.
+// PHOTO lies on the scan's texture coordinates; FITTED.ply is the scan as `dmvv sdf --write-mesh` placed it in the
+// cube. The photo is moved into a 3D bitmap: each texel has the colour of the nearest point of the surface. The seeds
+// of the core are stations of the line through the middles of cross-sections.
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
@@ -73,11 +73,13 @@ std::vector<std::array<dvec2, 3>> read_texture_coordinates(const std::string& pa
       std::vector<dvec2> polygon;
       while (words >> corner) {
         const std::size_t slash = corner.find('/');
-        const std::size_t index = slash == std::string::npos ? 0 : std::strtoul(corner.c_str() + slash + 1, nullptr, 10);
+        const std::size_t index =
+            slash == std::string::npos ? 0 : std::strtoul(corner.c_str() + slash + 1, nullptr, 10);
         if (index < 1 || index > coordinates.size()) fail(path + ": a corner without texture coordinates");
         polygon.push_back(coordinates[index - 1]);
       }
-      for (std::size_t i = 1; i + 1 < polygon.size(); ++i) triangles.push_back({polygon[0], polygon[i], polygon[i + 1]});
+      for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
+        triangles.push_back({polygon[0], polygon[i], polygon[i + 1]});
     }
   }
   return triangles;
@@ -112,7 +114,8 @@ Photo read_photo(const std::string& path) {
   if (!file) fail("cannot read " + path);
   Photo photo{file->spec().width, file->spec().height, file->spec().nchannels, {}};
   photo.pixels.resize(static_cast<std::size_t>(photo.width) * photo.height * photo.channels);
-  if (photo.channels < 3 || !file->read_image(0, 0, 0, photo.channels, OIIO::TypeDesc::UINT8, photo.pixels.data())) fail("cannot read " + path);
+  if (photo.channels < 3 || !file->read_image(0, 0, 0, photo.channels, OIIO::TypeDesc::UINT8, photo.pixels.data()))
+    fail("cannot read " + path);
   return photo;
 }
 
@@ -132,7 +135,8 @@ void write_peel(const std::string& path, const std::vector<Corners>& triangles, 
   std::vector<std::uint8_t> pixels;
   pixels.reserve(3u * texels * texels * texels);
   TriangleTree::Index nearest = 0;
-  for (int row = texels * texels - 1; row >= 0; --row) {  // rows of the file start at the top, of the format at the bottom
+  for (int row = texels * texels - 1; row >= 0;
+       --row) {  // rows of the file start at the top, of the format at the bottom
     for (int x = 0; x < texels; ++x) {
       const dvec3 p = bitmap_scale * ((dvec3(x, row % texels, row / texels) + 0.5) / double(texels) * 2.0 - 1.0);
       tree.distance(p, nearest);
@@ -157,8 +161,8 @@ struct Section {
   double radius = 0.0;
 };
 
-/// The cross-section of the solid through `about`, across `along`: its middle, and the radius of a disc as large. Counted
-/// on a lattice of rays across; a point is inside where the surface winds around it.
+/// The cross-section of the solid through `about`, across `along`: its middle, and the radius of a disc as large.
+/// Counted on a lattice of rays across; a point is inside where the surface winds around it.
 Section section(const TriangleTree& tree, const dvec3& about, const dvec3& along) {
   constexpr int n = 48;
   constexpr double reach = 0.3;
@@ -166,7 +170,8 @@ Section section(const TriangleTree& tree, const dvec3& about, const dvec3& along
   dvec3 sum(0.0);
   int inside = 0;
   for (int i = 0; i < n * n; ++i) {
-    const dvec3 p = about + reach * ((2.0 * (i % n) + 1.0) / n - 1.0) * y + reach * ((2.0 * (i / n) + 1.0) / n - 1.0) * z;
+    const dvec3 p =
+        about + reach * ((2.0 * (i % n) + 1.0) / n - 1.0) * y + reach * ((2.0 * (i / n) + 1.0) / n - 1.0) * z;
     if (tree.winding_number(p) < 0.5) continue;
     sum += p;
     ++inside;
@@ -202,11 +207,13 @@ void write_cores(const std::string& folder, const TriangleTree& tree, double lo,
     places += fmt::format("{:.5f} {:.5f} {:.5f}\n", p.x, p.y, p.z);
     // Turned about the line, so that a cut along it meets a row of seeds and no seam.
     turns += fmt::format("13 {:.2f} {:.2f}\n", glm::degrees(-std::asin(d.z)), glm::degrees(std::atan2(d.y, d.x)));
-    const double half_length = 0.55 * glm::distance(line[i == 0 ? 0 : i - 1].middle, line[std::min(i + 1, line.size() - 1)].middle) /
-                               (i == 0 || i + 1 == line.size() ? 1.0 : 2.0);
+    const double half_length =
+        0.55 * glm::distance(line[i == 0 ? 0 : i - 1].middle, line[std::min(i + 1, line.size() - 1)].middle) /
+        (i == 0 || i + 1 == line.size() ? 1.0 : 2.0);
     scales += fmt::format("{:.5f} {:.5f} {:.5f}\n", half_length, line[i].radius, line[i].radius);
   }
-  for (const auto& [name, text] : {std::pair{"cores.txt", &places}, {"cores_rotate.txt", &turns}, {"cores_scale.txt", &scales}}) {
+  for (const auto& [name, text] :
+       {std::pair{"cores.txt", &places}, {"cores_rotate.txt", &turns}, {"cores_scale.txt", &scales}}) {
     if (const auto written = dmvv::write_file(folder + "/" + name, *text); !written) fail(written.error().message);
   }
 }

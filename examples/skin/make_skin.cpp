@@ -20,20 +20,23 @@ using namespace skin;
 using namespace assets;
 
 /// A grid over the box whose middle is (0, y, 0).
-void write_grid_at(Output& output, const std::string& name, glm::uvec3 size, double y, dvec3 extent, double (*shape)(dvec3)) {
+void write_grid_at(Output& output, const std::string& name, glm::uvec3 size, double y, dvec3 extent,
+                   double (*shape)(dvec3)) {
   write_grid(output, name, size, extent, [&](dvec3 p) { return shape(p + dvec3(0.0, y, 0.0)); });
 }
 
 dvec3 papillary_color(dvec3 u) {
   const double clouds = fractal_noise(u * 4.0, 41, 3, 4);
   const double fibres = 1.0 - std::abs(noise(u * 16.0, 45, 16));
-  return glm::mix(dvec3(0.985, 0.850, 0.790), dvec3(0.930, 0.700, 0.660), glm::clamp(0.25 + 0.4 * clouds + 0.5 * (fibres - 0.5), 0.0, 1.0));
+  return glm::mix(dvec3(0.985, 0.850, 0.790), dvec3(0.930, 0.700, 0.660),
+                  glm::clamp(0.25 + 0.4 * clouds + 0.5 * (fibres - 0.5), 0.0, 1.0));
 }
 
 dvec3 reticular_color(dvec3 u) {
   const double clouds = fractal_noise(u * 4.0, 51, 3, 4);
   const double fibres = 1.0 - std::abs(noise(dvec3(u.x * 4.0, u.y * 16.0, u.z * 4.0), 55, 16));
-  return glm::mix(dvec3(0.975, 0.850, 0.800), dvec3(0.900, 0.680, 0.640), glm::clamp(0.2 + 0.4 * clouds + 0.5 * (fibres - 0.5), 0.0, 1.0));
+  return glm::mix(dvec3(0.975, 0.850, 0.800), dvec3(0.900, 0.680, 0.640),
+                  glm::clamp(0.2 + 0.4 * clouds + 0.5 * (fibres - 0.5), 0.0, 1.0));
 }
 
 dvec3 lipid_color(dvec3 u) {
@@ -42,9 +45,12 @@ dvec3 lipid_color(dvec3 u) {
 }
 
 void make_skin(Output& output) {
-  const double surface_middle = 0.5 * (layer_bottom + surface_top), junction_middle = 0.5 * (layer_bottom + junction_top);
-  write_grid_at(output, "surface.lxn", {160, 48, 160}, surface_middle, {1.0, surface_top - surface_middle, 1.0}, surface_distance);
-  write_grid_at(output, "junction.lxn", {160, 40, 160}, junction_middle, {1.0, junction_top - junction_middle, 1.0}, junction_distance);
+  const double surface_middle = 0.5 * (layer_bottom + surface_top),
+               junction_middle = 0.5 * (layer_bottom + junction_top);
+  write_grid_at(output, "surface.lxn", {160, 48, 160}, surface_middle, {1.0, surface_top - surface_middle, 1.0},
+                surface_distance);
+  write_grid_at(output, "junction.lxn", {160, 40, 160}, junction_middle, {1.0, junction_top - junction_middle, 1.0},
+                junction_distance);
   write_grid(output, "packed_cell.lxn", {28, 28, 28}, dvec3(1.0), packed_cell_distance);
   write_grid(output, "follicle.lxn", {36, 112, 36}, hair_extent, follicle_distance);
   write_grid_at(output, "dermal_papilla.lxn", {28, 56, 28}, -0.66, {0.065, 0.14, 0.065}, dermal_papilla_distance);
@@ -57,7 +63,8 @@ void make_skin(Output& output) {
 
   // One basal cell in nine is a melanocyte.
   std::vector<Placement> basal, melanocytes;
-  for (const Placement& cell : basal_cells()) ((basal.size() + melanocytes.size()) % 9 == 4 ? melanocytes : basal).push_back(cell);
+  for (const Placement& cell : basal_cells())
+    ((basal.size() + melanocytes.size()) % 9 == 4 ? melanocytes : basal).push_back(cell);
   write_seeds(output, "basal", "basal cells of the epidermis", basal);
   write_seeds(output, "melanocytes", "melanocytes among the basal cells", melanocytes);
   write_seeds(output, "spinous", "spinous cells", spinous_cells());

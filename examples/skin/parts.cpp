@@ -20,7 +20,6 @@ namespace {
 
 using std::numbers::pi;
 
-
 const glm::dmat3 upright(1.0);
 
 /// The frame with y along `d`, turned around it by an angle.
@@ -56,11 +55,12 @@ std::vector<dvec3> packed(dvec3 lo, dvec3 hi, double apart, double jitter, Rando
 }
 
 /// Where the skin's surface is met by something upright: the pores of sweat glands. The first lies in the section.
-constexpr std::array<std::array<double, 2>, 6> pores{{{0.03, section - 0.012}, {-0.62, -0.10}, {0.58, -0.15}, {-0.15, -0.62}, {0.75, -0.75}, {0.55, 0.78}}};
+constexpr std::array<std::array<double, 2>, 6> pores{
+    {{0.03, section - 0.012}, {-0.62, -0.10}, {0.58, -0.15}, {-0.15, -0.62}, {0.75, -0.75}, {0.55, 0.78}}};
 
 struct Hair {
-  double x, z;         // where it leaves the skin
-  double lean, toward; // degrees from upright; about y, 0 is towards +x
+  double x, z;          // where it leaves the skin
+  double lean, toward;  // degrees from upright; about y, 0 is towards +x
   double size;
 };
 constexpr std::array<Hair, 6> hair_table{{{-0.33, section, 17.0, 0.0, 1.0},
@@ -77,13 +77,16 @@ dvec3 along(const Hair& hair) {
 /// The local y, in units of SKIN, at which a hair leaves the skin.
 constexpr double exit_y = 0.44;
 
-dvec3 middle(const Hair& hair) { return dvec3(hair.x, surface_height(hair.x, hair.z), hair.z) - along(hair) * exit_y * hair.size; }
+dvec3 middle(const Hair& hair) {
+  return dvec3(hair.x, surface_height(hair.x, hair.z), hair.z) - along(hair) * exit_y * hair.size;
+}
 
 /// Changes its sign from one lobule of fat to the next.
 double lobule(dvec3 p) { return noise(dvec3(1.15, 0.9, 1.15) * p + dvec3(40.3, 7.1, 21.7), 71); }
 
-/// Pieces of a vessel end to end along a path, `path(s)` at the distance s from its start. A piece is 2 of its units long;
-/// `scale` is its radius and half its length. Where the path bends they are longer by as much as their outer sides part.
+/// Pieces of a vessel end to end along a path, `path(s)` at the distance s from its start. A piece is 2 of its units
+/// long; `scale` is its radius and half its length. Where the path bends they are longer by as much as their outer
+/// sides part.
 template <class Path>
 void chain(std::vector<Placement>& placements, double scale, int count, Path path) {
   const auto place = [&](int i) { return path(2.0 * scale * i); };
@@ -114,7 +117,8 @@ void flat_cells(std::vector<Placement>& placements, double depth, double apart, 
 
 std::vector<Placement> hairs() {
   std::vector<Placement> placements;
-  for (const Hair& hair : hair_table) placements.push_back({middle(hair), turned_frame(along(hair), 0.0), hair_extent * hair.size});
+  for (const Hair& hair : hair_table)
+    placements.push_back({middle(hair), turned_frame(along(hair), 0.0), hair_extent * hair.size});
   return placements;
 }
 
@@ -123,9 +127,11 @@ std::vector<Placement> pili_muscles() {
   for (const Hair& hair : hair_table) {
     // On the side to which the hair leans, from below the gland up to the epidermis.
     const double toward = glm::radians(hair.toward);
-    const dvec3 low = middle(hair) - along(hair) * (0.10 * hair.size) + dvec3(0.05 * std::cos(toward), 0.0, 0.05 * std::sin(toward));
+    const dvec3 low =
+        middle(hair) - along(hair) * (0.10 * hair.size) + dvec3(0.05 * std::cos(toward), 0.0, 0.05 * std::sin(toward));
     const dvec3 high(hair.x + 0.33 * std::cos(toward), 0.425, hair.z + 0.33 * std::sin(toward));
-    placements.push_back({0.5 * (low + high), turned_frame(high - low, 0.0), {0.030, 0.52 * glm::length(high - low), 0.030}});
+    placements.push_back(
+        {0.5 * (low + high), turned_frame(high - low, 0.0), {0.030, 0.52 * glm::length(high - low), 0.030}});
   }
   return placements;
 }
@@ -134,8 +140,10 @@ std::vector<Placement> septa_bundles() {
   Random random(14);
   std::vector<Placement> placements;
   while (placements.size() < 1200) {
-    const dvec3 p(random.uniform(-1.0, 1.0), random.uniform(-1.0, -0.20), random.uniform(-1.0, 1.0)), d = direction(random);
-    const double turn = random.uniform(0.0, 2.0 * pi), width = random.uniform(0.010, 0.020), length = random.uniform(0.06, 0.12);
+    const dvec3 p(random.uniform(-1.0, 1.0), random.uniform(-1.0, -0.20), random.uniform(-1.0, 1.0)),
+        d = direction(random);
+    const double turn = random.uniform(0.0, 2.0 * pi), width = random.uniform(0.010, 0.020),
+                 length = random.uniform(0.06, 0.12);
     if (std::abs(lobule(p)) > 0.06) continue;
     placements.push_back({p, turned_frame(d, turn), {width, length, 0.7 * width}});
   }
@@ -189,11 +197,15 @@ std::vector<Placement> vessels() {
 std::vector<Placement> capillaries() {
   std::vector<Placement> placements;
   const double scale = 0.032;
-  const auto wave = [](double s, double phase) { return 0.022 * std::sin(5.0 * s + phase) + 0.008 * std::sin(13.0 * s + 2.0 * phase); };
+  const auto wave = [](double s, double phase) {
+    return 0.022 * std::sin(5.0 * s + phase) + 0.008 * std::sin(13.0 * s + 2.0 * phase);
+  };
   for (const double z : {-0.76, -0.30, 0.10, section - 0.012, 0.72})
-    chain(placements, scale, 33, [&](double s) { return dvec3(s - 1.02, 0.345 + wave(s, 9.0 * z), z + wave(s, 5.0 * z + 1.0)); });
+    chain(placements, scale, 33,
+          [&](double s) { return dvec3(s - 1.02, 0.345 + wave(s, 9.0 * z), z + wave(s, 5.0 * z + 1.0)); });
   for (const double x : {-0.70, 0.24, 0.72})
-    chain(placements, scale, 33, [&](double s) { return dvec3(x + wave(s, 7.0 * x), 0.305 + wave(s, 3.0 * x), s - 1.02); });
+    chain(placements, scale, 33,
+          [&](double s) { return dvec3(x + wave(s, 7.0 * x), 0.305 + wave(s, 3.0 * x), s - 1.02); });
   return placements;
 }
 
@@ -213,7 +225,9 @@ std::vector<Placement> capillary_loops() {
     const double scale = 0.105;
     // Its upper end, at 0.93 of the scale, stays below the tip.
     const double tip = junction_height(site.x, site.y) - 0.018;
-    placements.push_back({{site.x, tip - 0.93 * scale, site.y}, turned_frame({0, 1, 0}, site.y == papilla_row ? 0.0 : turn), dvec3(scale)});
+    placements.push_back({{site.x, tip - 0.93 * scale, site.y},
+                          turned_frame({0, 1, 0}, site.y == papilla_row ? 0.0 : turn),
+                          dvec3(scale)});
   }
   return placements;
 }
@@ -257,7 +271,8 @@ std::vector<Placement> spinous_cells() {
     // Flatter the nearer they are to the surface.
     const double flat = glm::smoothstep(0.16, 0.08, below);
     const dvec3 up = glm::normalize(glm::mix(dvec3(0, 1, 0) + 3.0 * tilt, dvec3(0, 1, 0), flat));
-    placements.push_back({p, turned_frame(up, turn), size * glm::mix(dvec3(0.0235), dvec3(0.029, 0.0165, 0.029), flat)});
+    placements.push_back(
+        {p, turned_frame(up, turn), size * glm::mix(dvec3(0.0235), dvec3(0.029, 0.0165, 0.029), flat)});
   }
   return placements;
 }
@@ -272,7 +287,8 @@ std::vector<Placement> granular_cells() {
 std::vector<Placement> corneocytes() {
   Random random(5);
   std::vector<Placement> placements;
-  for (int layer = 0; layer < 7; ++layer) flat_cells(placements, 0.003 + 0.0062 * layer, 0.080, {0.052, 0.0034, 0.052}, random);
+  for (int layer = 0; layer < 7; ++layer)
+    flat_cells(placements, 0.003 + 0.0062 * layer, 0.080, {0.052, 0.0034, 0.052}, random);
   return placements;
 }
 
@@ -282,7 +298,8 @@ std::vector<Placement> papillary_bundles() {
   while (placements.size() < 1100) {
     const double x = random.uniform(-1.0, 1.0), z = random.uniform(-1.0, 1.0), y = random.uniform(0.27, 0.56);
     const dvec3 d = direction(random);
-    const double length = random.uniform(0.05, 0.09), turn = random.uniform(0.0, 2.0 * pi), width = random.uniform(0.006, 0.010);
+    const double length = random.uniform(0.05, 0.09), turn = random.uniform(0.0, 2.0 * pi),
+                 width = random.uniform(0.006, 0.010);
     if (junction_distance({x, y, z}) > -0.02) continue;
     // Upright in the papillae.
     const dvec3 axis = y > 0.46 ? dvec3(0.35 * d.x, 1.0, 0.35 * d.z) : dvec3(d.x, 0.5 * d.y, d.z);
@@ -296,9 +313,12 @@ std::vector<Placement> reticular_bundles() {
   std::vector<Placement> placements;
   while (placements.size() < 3600) {
     const dvec3 p(random.uniform(-1.05, 1.05), random.uniform(-0.34, 0.32), random.uniform(-1.05, 1.05));
-    const double angle = random.uniform(0.0, 2.0 * pi), rise = random.uniform(-0.22, 0.22), turn = random.uniform(0.0, 2.0 * pi);
-    const double width = random.uniform(0.018, 0.040), length = width * random.uniform(6.0, 9.0), flat = random.uniform(0.6, 0.9);
-    placements.push_back({p, turned_frame({std::cos(angle), rise, std::sin(angle)}, turn), {width, length, flat * width}});
+    const double angle = random.uniform(0.0, 2.0 * pi), rise = random.uniform(-0.22, 0.22),
+                 turn = random.uniform(0.0, 2.0 * pi);
+    const double width = random.uniform(0.018, 0.040), length = width * random.uniform(6.0, 9.0),
+                 flat = random.uniform(0.6, 0.9);
+    placements.push_back(
+        {p, turned_frame({std::cos(angle), rise, std::sin(angle)}, turn), {width, length, flat * width}});
   }
   return placements;
 }
@@ -308,9 +328,11 @@ std::vector<Placement> fibroblasts() {
   std::vector<Placement> placements;
   while (placements.size() < 420) {
     const dvec3 p(random.uniform(-1.0, 1.0), random.uniform(-0.32, 0.45), random.uniform(-1.0, 1.0));
-    const double angle = random.uniform(0.0, 2.0 * pi), rise = random.uniform(-0.3, 0.3), size = random.uniform(0.8, 1.2);
+    const double angle = random.uniform(0.0, 2.0 * pi), rise = random.uniform(-0.3, 0.3),
+                 size = random.uniform(0.8, 1.2);
     if (junction_distance(p) > -0.03) continue;
-    placements.push_back({p, turned_frame({std::cos(angle), rise, std::sin(angle)}, 0.0), size * dvec3(0.013, 0.046, 0.010)});
+    placements.push_back(
+        {p, turned_frame({std::cos(angle), rise, std::sin(angle)}, 0.0), size * dvec3(0.013, 0.046, 0.010)});
   }
   return placements;
 }

@@ -46,7 +46,8 @@ double height_distance(double (*height)(double, double), dvec3 p) {
 
 double surface_height(double x, double z) {
   const double furrows = std::max(line(x, z, 0.55, 0.29, 0.055, 3), 0.8 * line(x, z, -0.75, 0.33, 0.050, 4));
-  return 0.705 + 0.006 * noise(dvec3(x, 0.0, z) * 3.0 + 9.0, 1) + 0.003 * noise(dvec3(x, 0.0, z) * 9.0, 2) - 0.020 * furrows;
+  return 0.705 + 0.006 * noise(dvec3(x, 0.0, z) * 3.0 + 9.0, 1) + 0.003 * noise(dvec3(x, 0.0, z) * 9.0, 2) -
+         0.020 * furrows;
 }
 
 const std::vector<dvec2>& papillae() {
@@ -91,7 +92,8 @@ double packed_cell_distance(dvec3 p) {
       const dvec3 d = random.uniform3(-1.0, 1.0);
       if (glm::length(d) > 1.0 || glm::length(d) < 0.1) continue;
       const dvec3 n = glm::normalize(d);
-      if (std::all_of(normals.begin(), normals.end(), [&](dvec3 m) { return glm::dot(m, n) < 0.72; })) normals.push_back(n);
+      if (std::all_of(normals.begin(), normals.end(), [&](dvec3 m) { return glm::dot(m, n) < 0.72; }))
+        normals.push_back(n);
     }
     return normals;
   }();
@@ -110,7 +112,8 @@ double follicle_distance(dvec3 p) {
 
 double dermal_papilla_distance(dvec3 p) {
   const double r = std::sqrt(p.x * p.x + p.z * p.z);
-  const double drop = glm::length(dvec2(r, std::max(std::abs(p.y + 0.640) - 0.035, 0.0))) - 0.040 + 0.16 * std::max(p.y + 0.640, 0.0);
+  const double drop =
+      glm::length(dvec2(r, std::max(std::abs(p.y + 0.640) - 0.035, 0.0))) - 0.040 + 0.16 * std::max(p.y + 0.640, 0.0);
   const double stem = std::max(r - 0.022, p.y + 0.62);
   return smooth_min(drop, stem, 0.02);
 }

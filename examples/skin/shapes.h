@@ -1,7 +1,7 @@
 // The shapes of the skin and its parts: heights of its layers, and distances, negative inside, in units of SKIN.
 //
-// One unit is about 0.6 mm; SKIN is the standard cube, y points out of the skin. A part's shape lives in the frame of its
-// object; its `extent` is half the edges of the object's cube, which a seed file gives as scale.
+// One unit is about 0.6 mm; SKIN is the standard cube, y points out of the skin. A part's shape lives in the frame of
+// its object; its `extent` is half the edges of the object's cube, which a seed file gives as scale.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -28,7 +28,8 @@ constexpr double papilla_row = section - 0.004;
 /// The normal of a height field, upwards.
 dvec3 normal_of(double (*height)(double, double), double x, double z);
 
-/// Distances to the two, to first order. Each is stored in a box of the cube, which reaches below the junction's valleys.
+/// Distances to the two, to first order. Each is stored in a box of the cube, which reaches below the junction's
+/// valleys.
 constexpr double layer_bottom = 0.36;
 constexpr double surface_top = 0.80, junction_top = 0.66;
 double surface_distance(dvec3 p);

@@ -14,9 +14,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Where the middle of a monomer lies in the coordinates of its chain, in A. Not in the file, but determined by it: it is
-/// where the least distance between two of the 1,356 placed points is greatest, 31.2 A. Nearest neighbours are then 31.2
-/// to 36.9 A apart, and all lie within the envelope; off by 50 A along the chain's axis, some come as near as 7 A.
+/// Where the middle of a monomer lies in the coordinates of its chain, in A. Not in the file, but determined by it: it
+/// is where the least distance between two of the 1,356 placed points is greatest, 31.2 A. Nearest neighbours are
+/// then 31.2 to 36.9 A apart, and all lie within the envelope; off by 50 A along the chain's axis, some come as near as
+/// 7 A.
 constexpr double monomer[3] = {413.3619, 999.6703, 381.8548};
 
 /// Of a hexamer's volume.

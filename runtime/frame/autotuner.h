@@ -15,7 +15,7 @@ namespace dmvv::runtime {
 class Autotuner {
  public:
   static constexpr std::uint32_t first_hold = 16, longest_hold = 1024;  ///< frames
-  static constexpr std::size_t judged_frames = 3;     ///< of a way in a trial, its last ones
+  static constexpr std::size_t judged_frames = 3;                       ///< of a way in a trial, its last ones
   static constexpr std::size_t learning_frames = 12;  ///< that a way gets in a trial which becomes faster by being used
 
   /// Until the first trial, `start` is the way. `learns` says which ways become faster by being used, if any do.
@@ -79,7 +79,8 @@ class Autotuner {
   }
 
   static double last_median(const std::vector<double>& taken) {
-    std::vector<double> last(taken.end() - static_cast<std::ptrdiff_t>(std::min(taken.size(), judged_frames)), taken.end());
+    std::vector<double> last(taken.end() - static_cast<std::ptrdiff_t>(std::min(taken.size(), judged_frames)),
+                             taken.end());
     std::ranges::sort(last);
     return last[last.size() / 2];
   }

@@ -41,23 +41,32 @@ class Recorder {
   void record(const PlannedStep& planned) {
     switch (planned.step) {
       case Step::raster:
-        return work_.rasteriser.draw(commands_, work_.setup, work_.plan.tile, work_.passes.clusters, work_.tile.surface);
-      case Step::slice: return upload_slice();
-      case Step::clear: return clear();
-      case Step::read_back: return read_back();
+        return work_.rasteriser.draw(commands_, work_.setup, work_.plan.tile, work_.passes.clusters,
+                                     work_.tile.surface);
+      case Step::slice:
+        return upload_slice();
+      case Step::clear:
+        return clear();
+      case Step::read_back:
+        return read_back();
       case Step::list:
-      case Step::classify: return dispatch(planned, (blocks() * DMVV_PIXELS_BLOCK + DMVV_PIXELS_GROUP_SIZE - 1) / DMVV_PIXELS_GROUP_SIZE);
+      case Step::classify:
+        return dispatch(planned, (blocks() * DMVV_PIXELS_BLOCK + DMVV_PIXELS_GROUP_SIZE - 1) / DMVV_PIXELS_GROUP_SIZE);
       case Step::count_lists:
-      case Step::count_stages: return dispatch(planned, 1);
-      case Step::stage: return dispatch_queued(planned, offsetof(gpu::QueueHeader, groups));
-      case Step::distribute: return dispatch_queued(planned, offsetof(gpu::QueueHeader, runs));
+      case Step::count_stages:
+        return dispatch(planned, 1);
+      case Step::stage:
+        return dispatch_queued(planned, offsetof(gpu::QueueHeader, groups));
+      case Step::distribute:
+        return dispatch_queued(planned, offsetof(gpu::QueueHeader, runs));
       case Step::evaluate:
         if (planned.list == no_list) return dispatch(planned, blocks());
         [[fallthrough]];
       case Step::paint:
       case Step::lead:
       case Step::follow:
-      case Step::count_hits: return dispatch_listed(planned);
+      case Step::count_hits:
+        return dispatch_listed(planned);
     }
   }
 
@@ -76,7 +85,8 @@ class Recorder {
   }
   void dispatch_queued(const PlannedStep& planned, vk::DeviceSize groups) {
     bind(planned);
-    commands_.dispatchIndirect(*work_.images.scratch().queues.buffer, groups + planned.stage * sizeof(gpu::DispatchGroups));
+    commands_.dispatchIndirect(*work_.images.scratch().queues.buffer,
+                               groups + planned.stage * sizeof(gpu::DispatchGroups));
   }
 
   void bind(const PlannedStep& planned) {
@@ -96,7 +106,8 @@ class Recorder {
     const GpuBuffer& points = work_.images.slice_surface();
     fill_slice_surface(*work_.setup.slice, tile.corner_px, tile.size_px, static_cast<glm::uvec4*>(points.mapped));
     for_transfer(work_.tile.surface, Layout::eTransferDstOptimal, [&] {
-      commands_.copyBufferToImage(*points.buffer, *work_.tile.surface.image, Layout::eTransferDstOptimal, tile_copy(0, tile.size_px));
+      commands_.copyBufferToImage(*points.buffer, *work_.tile.surface.image, Layout::eTransferDstOptimal,
+                                  tile_copy(0, tile.size_px));
     });
   }
 
@@ -116,10 +127,15 @@ class Recorder {
   void clear() {
     TileScratch& scratch = work_.images.scratch();
     const Outputs& outputs = work_.images.outputs();
-    const gpu::PixelListHeader nothing{
-        .groups = {{0, 1, 1}, {0, 1, 1}, {0, 1, 1}, {0, 1, 1}}, .counts = {}, .unfinished = 0, .pad0 = 0, .pad1 = 0, .pad2 = 0};
+    const gpu::PixelListHeader nothing{.groups = {{0, 1, 1}, {0, 1, 1}, {0, 1, 1}, {0, 1, 1}},
+                                       .counts = {},
+                                       .unfinished = 0,
+                                       .pad0 = 0,
+                                       .pad1 = 0,
+                                       .pad2 = 0};
     commands_.updateBuffer<gpu::PixelListHeader>(*scratch.list.buffer, 0, nothing);
-    if (!work_.kernels.stages_go_on().empty()) commands_.fillBuffer(*scratch.queues.buffer, 0, sizeof(gpu::QueueHeader), 0);
+    if (!work_.kernels.stages_go_on().empty())
+      commands_.fillBuffer(*scratch.queues.buffer, 0, sizeof(gpu::QueueHeader), 0);
     const vk::ClearColorValue empty{}, unknown{std::array{0.0f, 0.0f, 0.0f, -1.0f}};
     if (work_.passes.pixel_list && !work_.plan.keeps_still) {
       const GpuImage& color = outputs.colors == Colors::bytes ? work_.tile.bytes : work_.tile.color;

@@ -97,8 +97,8 @@ TileImages FrameImages::make_tile(const vk::raii::DescriptorSetLayout& layout, s
   made.color = image(vk::Format::eR32G32B32A32Sfloat, !as_bytes);
   made.bytes = image(vk::Format::eR32Uint, as_bytes);
   made.region = image(vk::Format::eR32Uint, outputs_.regions);
-  made.readback = gpu_.make_buffer(ReadbackLayout(area_of(extent_), outputs_).bytes, BufferUse::eTransferDst,
-                                   MemoryUse::readback);
+  made.readback =
+      gpu_.make_buffer(ReadbackLayout(area_of(extent_), outputs_).bytes, BufferUse::eTransferDst, MemoryUse::readback);
   made.set = DescriptorSet(gpu_, layout, pixel_bindings);
   made.set.write(DMVV_BIND_SURFACE, made.surface);
   made.set.write(DMVV_BIND_COLOR, made.color);
@@ -118,22 +118,22 @@ TileImages FrameImages::make_tile(const vk::raii::DescriptorSetLayout& layout, s
 void FrameImages::make_ready() const {
   std::vector<vk::ImageMemoryBarrier> barriers;
   const auto add = [&](const GpuImage& image) {
-    barriers.push_back(color_barrier(image, Layout::eUndefined, Layout::eGeneral, {}, vk::AccessFlagBits::eShaderWrite));
+    barriers.push_back(
+        color_barrier(image, Layout::eUndefined, Layout::eGeneral, {}, vk::AccessFlagBits::eShaderWrite));
   };
   for (const TileImages& tile : tiles_) {
     for (const GpuImage* image : {&tile.surface, &tile.color, &tile.bytes, &tile.region}) add(*image);
   }
   for (const GpuImage* image : {&scratch_.leader_place, &scratch_.leader_color, &scratch_.leader_region}) add(*image);
   gpu_.run([&](const vk::raii::CommandBuffer& commands) {
-    commands.pipelineBarrier(vk::PipelineStageFlagBits::eTopOfPipe, vk::PipelineStageFlagBits::eComputeShader, {}, nullptr,
-                             nullptr, barriers);
+    commands.pipelineBarrier(vk::PipelineStageFlagBits::eTopOfPipe, vk::PipelineStageFlagBits::eComputeShader, {},
+                             nullptr, nullptr, barriers);
   });
 }
 
 GpuBuffer& FrameImages::slice_surface() {
   if (scratch_.slice_surface.bytes == 0) {
-    scratch_.slice_surface =
-        gpu_.make_buffer(16 * area_of(extent_), BufferUse::eTransferSrc, MemoryUse::upload);
+    scratch_.slice_surface = gpu_.make_buffer(16 * area_of(extent_), BufferUse::eTransferSrc, MemoryUse::upload);
   }
   return scratch_.slice_surface;
 }

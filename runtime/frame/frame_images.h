@@ -53,20 +53,22 @@ inline constexpr std::array<SetBinding, 11> pixel_bindings{{
     {DMVV_BIND_KNOWN, vk::DescriptorType::eStorageBuffer},
 }};
 
-/// Where the parts of a tile stand in the buffer that is read back: each at a multiple of its texels, the largest first.
+/// Where the parts of a tile stand in the buffer that is read back: each at a multiple of its texels, the largest
+/// first.
 struct ReadbackLayout {
   vk::DeviceSize positions = 0, colors, regions, header, bytes;
   ReadbackLayout(std::size_t pixels, const Outputs& outputs);
 };
 
-/// What stays of a tile between frames. All images are in the layout GENERAL. Those that are not asked for have one pixel.
+/// What stays of a tile between frames. All images are in the layout GENERAL. Those that are not asked for have one
+/// pixel.
 struct TileImages {
   GpuImage surface;
   GpuImage color, bytes, region;
   GpuBuffer readback;  ///< ReadbackLayout
   DescriptorSet set;
-  std::optional<SurfaceKey> drawn;    ///< what `surface` shows
-  std::optional<ShadingKey> shaded;   ///< what the images and `readback` show of it
+  std::optional<SurfaceKey> drawn;   ///< what `surface` shows
+  std::optional<ShadingKey> shaded;  ///< what the images and `readback` show of it
 };
 
 /// What tiles use one after the other.
@@ -85,8 +87,8 @@ struct FrameNeeds {
   std::uint32_t stages = 0;
 };
 
-/// The images of a frame in tiles of up to a size. A frame of up to `most_kept_px` keeps what each of its tiles shows for the
-/// next one; the tiles of larger frames share one set of images.
+/// The images of a frame in tiles of up to a size. A frame of up to `most_kept_px` keeps what each of its tiles shows
+/// for the next one; the tiles of larger frames share one set of images.
 class FrameImages {
  public:
   /// 2560x1440 and 1920x1080 with 2 x 2 samples are less. Some 24 bytes a pixel, 52 of them in float with positions.

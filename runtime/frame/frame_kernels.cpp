@@ -20,7 +20,8 @@ bool runs_kernel(Step step) {
 bool asks_verdicts(Step step) { return step == Step::classify || step == Step::paint || step == Step::count_hits; }
 
 bool writes_pixels(Step step) {
-  return step == Step::paint || step == Step::lead || step == Step::follow || step == Step::evaluate || step == Step::stage;
+  return step == Step::paint || step == Step::lead || step == Step::follow || step == Step::evaluate ||
+         step == Step::stage;
 }
 
 }  // namespace
@@ -44,23 +45,34 @@ FrameKernels::FrameKernels(const Device::Impl& gpu, const SceneOnDevice& scene, 
 
 std::span<const std::uint32_t> FrameKernels::code_of(Step step, std::uint32_t stage) const {
   switch (step) {
-    case Step::list: return list_comp;
-    case Step::classify: return classify_comp;
-    case Step::count_lists: return count_groups_comp;
+    case Step::list:
+      return list_comp;
+    case Step::classify:
+      return classify_comp;
+    case Step::count_lists:
+      return count_groups_comp;
     case Step::paint:
       if (has_bitmaps_) return paint_bitmaps_comp;
       return paint_comp;
-    case Step::lead: return code_of_leaders_;
-    case Step::follow: return follow_comp;
-    case Step::evaluate: return code_of_pixels_;
-    case Step::count_stages: return count_stages_comp;
-    case Step::stage: return code_of_stages_[stage];
-    case Step::distribute: return distribute_comp;
-    case Step::count_hits: return count_hits_comp;
+    case Step::lead:
+      return code_of_leaders_;
+    case Step::follow:
+      return follow_comp;
+    case Step::evaluate:
+      return code_of_pixels_;
+    case Step::count_stages:
+      return count_stages_comp;
+    case Step::stage:
+      return code_of_stages_[stage];
+    case Step::distribute:
+      return distribute_comp;
+    case Step::count_hits:
+      return count_hits_comp;
     case Step::raster:
     case Step::slice:
     case Step::clear:
-    case Step::read_back: break;
+    case Step::read_back:
+      break;
   }
   return {};
 }
@@ -81,8 +93,8 @@ Result<void> FrameKernels::prepare(const FramePlan& plan, const KernelKind& kind
         return fail(Fault::environment, fmt::format("the program was compiled without its kernel '{}'", name));
       }
       const std::array<std::uint32_t, 3> constants{kind.lists, kind.as_bytes, kind.with_regions};
-      const auto used = writes_pixels(planned.step) ? std::span<const std::uint32_t>(constants)
-                                                    : std::span<const std::uint32_t>();
+      const auto used =
+          writes_pixels(planned.step) ? std::span<const std::uint32_t>(constants) : std::span<const std::uint32_t>();
       const auto& layout = asks_verdicts(planned.step) ? layout_with_verdicts_ : layout_;
       made_.emplace(key, make_compute_pipeline(gpu_, code, layout, used));
     }

@@ -32,7 +32,8 @@ class FrameKernels {
   bool has_leaders() const { return !code_of_leaders_.empty(); }
   const std::vector<bool>& stages_go_on() const { return stages_go_on_; }
 
-  /// Makes what the plan's steps need and is not there. Errors (environment): the program was compiled without the kernel.
+  /// Makes what the plan's steps need and is not there. Errors (environment): the program was compiled without the
+  /// kernel.
   Result<void> prepare(const FramePlan& plan, const KernelKind& kind);
   /// Whether `prepare` would make the kernels that evaluate.
   bool has_evaluation(const KernelKind& kind) const;

@@ -8,8 +8,8 @@
 namespace dmvv::runtime {
 namespace {
 
-constexpr std::array<const char*, resource_count> resource_names{
-    "surface", "pixels", "lists", "known", "leaders", "queues", "verdicts", "hits", "faults", "home"};
+constexpr std::array<const char*, resource_count> resource_names{"surface", "pixels",   "lists", "known",  "leaders",
+                                                                 "queues",  "verdicts", "hits",  "faults", "home"};
 constexpr std::array<const char*, DMVV_LISTS_OF_PIXELS> list_names{"open", "left", "leaders", "proven"};
 
 /// Adds the steps that evaluate the pixels of a list.
@@ -128,7 +128,8 @@ FramePlan plan_frame(const FrameRequest& request) {
   for (std::size_t i = 0; i < request.tiles.size(); ++i) {
     const KeptTile& kept = request.kept[i];
     TilePlan tile{request.tiles[i], false, plan_tile(request, kept)};
-    const bool draws = !tile.steps.empty() && (tile.steps.front().step == Step::raster || tile.steps.front().step == Step::slice);
+    const bool draws =
+        !tile.steps.empty() && (tile.steps.front().step == Step::raster || tile.steps.front().step == Step::slice);
     tile.keeps_still =
         !tile.steps.empty() && !draws && request.strategy.classifies && request.passes.keep_still && kept.other_time;
     plan.tiles.push_back(std::move(tile));

@@ -47,7 +47,8 @@ enum class Step : std::uint8_t {
 };
 inline constexpr std::size_t step_count = 15;
 
-/// How steps use a resource. Additions go to different places or are atomic: any number of steps may add without waiting.
+/// How steps use a resource. Additions go to different places or are atomic: any number of steps may add without
+/// waiting.
 struct StepUse {
   const char* name;
   std::vector<Resource> reads, adds, writes;
@@ -83,7 +84,7 @@ struct KeptTile {
 };
 
 struct FrameRequest {
-  glm::uvec2 size_px{0};      ///< what is rendered: the picture times the samples
+  glm::uvec2 size_px{0};  ///< what is rendered: the picture times the samples
   std::vector<Tile> tiles;
   std::vector<KeptTile> kept;  ///< of each tile
   bool is_slice = false;

@@ -11,8 +11,8 @@ namespace {
 
 using compiler::PointAnswer;
 
-constexpr std::array<SetBinding, 2> io_bindings{{{DMVV_BIND_POINTS, vk::DescriptorType::eStorageBuffer},
-                                                 {DMVV_BIND_ANSWERS, vk::DescriptorType::eStorageBuffer}}};
+constexpr std::array<SetBinding, 2> io_bindings{
+    {{DMVV_BIND_POINTS, vk::DescriptorType::eStorageBuffer}, {DMVV_BIND_ANSWERS, vk::DescriptorType::eStorageBuffer}}};
 
 std::size_t answer_words(std::uint32_t depth) { return DMVV_ANSWER_HEADER + 2 * std::size_t{depth}; }
 
@@ -108,7 +108,8 @@ Result<std::vector<PointAnswer>> PointProbe::probe(std::span<const glm::dvec3> p
     const auto* words = static_cast<const std::uint32_t*>(batch->answers.mapped);
     for (std::size_t i = 0; i < count; ++i) {
       auto answer = decode_answer(words + i * answer_words(depth_), depth_);
-      if (!answer) return fail(Fault::environment, fmt::format("the device's answer for point {} makes no sense", begin + i));
+      if (!answer)
+        return fail(Fault::environment, fmt::format("the device's answer for point {} makes no sense", begin + i));
       if (!answer->finished) unfinished.push_back(begin + i);
       answers.push_back(std::move(*answer));
     }

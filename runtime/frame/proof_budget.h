@@ -16,8 +16,8 @@ struct TimeSpan {
   friend bool operator==(const TimeSpan&, const TimeSpan&) = default;
 };
 
-/// Rent or buy: a cell is split when the pixels that it left to be evaluated have cost half as much as splitting it. So what
-/// is spent on proofs is at most twice what was spent on evaluation.
+/// Rent or buy: a cell is split when the pixels that it left to be evaluated have cost half as much as splitting it. So
+/// what is spent on proofs is at most twice what was spent on evaluation.
 class ProofBudget {
  public:
   static constexpr std::uint32_t least_hits = 8, most_hits = 1u << 20;
@@ -27,8 +27,8 @@ class ProofBudget {
 
   // ---- spans of time ----
 
-  /// The span that begins at a frame's time: the next frames while time goes on, this moment while it stands. Nothing while
-  /// spans of time that goes on are left out, because one did not pay. Judges the span before.
+  /// The span that begins at a frame's time: the next frames while time goes on, this moment while it stands. Nothing
+  /// while spans of time that goes on are left out, because one did not pay. Judges the span before.
   std::optional<TimeSpan> begin_span(double time_ms);
   void note_time(double time_ms) {
     last_time_ms_ = time_ms;

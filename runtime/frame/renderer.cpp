@@ -149,9 +149,9 @@ void Renderer::run_tile(const Job& job, const FramePlan& plan, std::size_t i, Do
     if (plan.strategy.classifies) verdicts_->fill(params);
     if (draws) held.drawn.reset();  // a failure below must leave no name on what is half done
     held.shaded.reset();
-    TileWork work{planned,  job.setup,  job.passes, job.kind,
-                  params,   kernels_,   scene_,     plan.strategy.classifies ? &*verdicts_ : nullptr,
-                  *rasteriser_, *images_, held};
+    TileWork work{planned,      job.setup, job.passes, job.kind,
+                  params,       kernels_,  scene_,     plan.strategy.classifies ? &*verdicts_ : nullptr,
+                  *rasteriser_, *images_,  held};
     done.device_ms += gpu_.run([&](const vk::raii::CommandBuffer& commands) { record_tile(commands, work); });
     held.drawn = surface_key(job, planned.tile);
     held.shaded = shading;
@@ -163,7 +163,8 @@ void Renderer::run_tile(const Job& job, const FramePlan& plan, std::size_t i, Do
   done.is_complete &= job.setup.slice.has_value() || rasteriser_->is_complete();
 }
 
-Result<Renderer::Done> Renderer::run(const Job& job, const FramePlan& plan, const std::function<void(std::size_t)>& take) {
+Result<Renderer::Done> Renderer::run(const Job& job, const FramePlan& plan,
+                                     const std::function<void(std::size_t)>& take) {
   if (auto made = kernels_.prepare(plan, job.kind); !made) return tl::unexpected(std::move(made.error()));
   if (plan.strategy.classifies) {
     if (!verdicts_) verdicts_.emplace(gpu_, judge_, kernels_.verdict_layout());

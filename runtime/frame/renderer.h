@@ -38,15 +38,15 @@ class Renderer {
     FramePasses passes;
     Outputs outputs;
     KernelKind kind;
-    vk::Extent2D extent;      ///< of the largest tile
+    vk::Extent2D extent;  ///< of the largest tile
     std::vector<Tile> tiles;
   };
   /// What a frame did.
   struct Done {
     double device_ms = 0.0;
     std::uint32_t evaluated = 0, unfinished = 0;
-    bool drew = false;      ///< a surface
-    bool worked = false;    ///< anything at all
+    bool drew = false;        ///< a surface
+    bool worked = false;      ///< anything at all
     bool is_complete = true;  ///< all of the mesh has been drawn
   };
 

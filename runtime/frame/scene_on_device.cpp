@@ -111,9 +111,13 @@ std::optional<Error> descriptors_fault(const Device::Impl& gpu, const compiler::
   const auto in_buffers = static_cast<std::uint32_t>(
       std::ranges::count(program.buffers, compiler::BufferForm::records, &compiler::Buffer::form));
   const std::uint32_t in_texels = static_cast<std::uint32_t>(program.buffers.size()) - in_buffers;
-  const auto fault = [&](std::uint32_t outputs, std::uint32_t most, std::string_view what, std::string_view limit) -> std::optional<Error> {
+  const auto fault = [&](std::uint32_t outputs, std::uint32_t most, std::string_view what,
+                         std::string_view limit) -> std::optional<Error> {
     if (outputs <= most) return std::nullopt;
-    return Error{Fault::input, fmt::format("the scene needs {} {} a stage; '{}' allows {} ({})", outputs, what, gpu.info.name, most, limit), {}};
+    return Error{
+        Fault::input,
+        fmt::format("the scene needs {} {} a stage; '{}' allows {} ({})", outputs, what, gpu.info.name, most, limit),
+        {}};
   };
   const vk::PhysicalDeviceLimits& limits = gpu.limits;
   if (auto found = fault(buffers_of_pixels + in_buffers, limits.maxPerStageDescriptorStorageBuffers, "storage buffers",
@@ -154,17 +158,20 @@ void SceneOnDevice::upload(const Device::Impl& gpu, const compiler::Program& pro
       continue;
     }
     const bool is_texels = buffer.form != compiler::BufferForm::records;
-    buffers_.push_back(uploads.add_buffer(buffer.bytes, is_texels ? Usage::eStorageTexelBuffer : Usage::eStorageBuffer));
+    buffers_.push_back(
+        uploads.add_buffer(buffer.bytes, is_texels ? Usage::eStorageTexelBuffer : Usage::eStorageBuffer));
   }
   for (const compiler::Texture& texture : program.textures) {
-    textures_.push_back(uploads.add_texture(texture.texels, vulkan_format(texture.format), vulkan_extent(texture.extent)));
+    textures_.push_back(
+        uploads.add_texture(texture.texels, vulkan_format(texture.format), vulkan_extent(texture.extent)));
   }
   uploads.finish();
   for (std::size_t i = 0; i < buffers_.size(); ++i) {
     const vk::Format format = vulkan_format(program.buffers[i].form);
     views_.emplace_back(nullptr);
     if (format == vk::Format::eUndefined) continue;
-    views_.back() = gpu.device.createBufferView({.buffer = *buffers_[i].buffer, .format = format, .range = VK_WHOLE_SIZE});
+    views_.back() =
+        gpu.device.createBufferView({.buffer = *buffers_[i].buffer, .format = format, .range = VK_WHOLE_SIZE});
   }
   using Mode = vk::SamplerAddressMode;
   sampler_ = gpu.device.createSampler({.magFilter = vk::Filter::eLinear,
@@ -176,7 +183,8 @@ void SceneOnDevice::upload(const Device::Impl& gpu, const compiler::Program& pro
 
 void SceneOnDevice::bind(const Device::Impl& gpu, const compiler::Program& program) {
   std::vector<SetBinding> bindings;
-  for (const compiler::Buffer& buffer : program.buffers) bindings.push_back({buffer.binding, descriptor_type(buffer.form)});
+  for (const compiler::Buffer& buffer : program.buffers)
+    bindings.push_back({buffer.binding, descriptor_type(buffer.form)});
   for (const compiler::Texture& texture : program.textures) {
     bindings.push_back({texture.binding, vk::DescriptorType::eCombinedImageSampler});
   }
@@ -184,8 +192,10 @@ void SceneOnDevice::bind(const Device::Impl& gpu, const compiler::Program& progr
   set_ = DescriptorSet(gpu, layout_, bindings);
   for (std::size_t i = 0; i < buffers_.size(); ++i) {
     const compiler::Buffer& buffer = program.buffers[i];
-    if (buffer.form == compiler::BufferForm::records) set_.write(buffer.binding, buffers_[i]);
-    else set_.write(buffer.binding, views_[i]);
+    if (buffer.form == compiler::BufferForm::records)
+      set_.write(buffer.binding, buffers_[i]);
+    else
+      set_.write(buffer.binding, views_[i]);
   }
   for (std::size_t i = 0; i < textures_.size(); ++i) set_.write(program.textures[i].binding, textures_[i], sampler_);
 }

@@ -48,9 +48,9 @@ class StrategyChoice {
 
   explicit StrategyChoice(Program program) : program_(program) {}
 
-  /// The strategy of the next frame. The first frame takes none: one picture alone pays for no proof. The leaders' kernel
-  /// is used when frames without it have taken as long as it takes to compile (rent or buy). With trials on, the fastest
-  /// possible strategy is taken, as the autotuner finds it; with trials off, all that is possible.
+  /// The strategy of the next frame. The first frame takes none: one picture alone pays for no proof. The leaders'
+  /// kernel is used when frames without it have taken as long as it takes to compile (rent or buy). With trials on, the
+  /// fastest possible strategy is taken, as the autotuner finds it; with trials off, all that is possible.
   Strategy begin(const FramePasses& passes, bool is_time_provable);
   /// What a frame of this strategy took: on the device, and in splitting cells beside it.
   void end(const Strategy& strategy, const FramePasses& passes, double device_ms, double splitting_ms);
@@ -60,7 +60,8 @@ class StrategyChoice {
 
  private:
   Program program_;
-  Autotuner autotuner_{Strategy::count, Strategy{.classifies = true, .leads = false}.number(),
+  Autotuner autotuner_{Strategy::count,
+                       Strategy{.classifies = true, .leads = false}.number(),
                        {false, true, false, true}};  // strategies with verdicts become faster by being used
   bool has_drawn_ = false;
   double compile_ms_ = 0.0, drawn_ms_ = 0.0;

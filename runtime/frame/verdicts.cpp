@@ -60,7 +60,8 @@ void Verdicts::fill(gpu::PixelsParams& params) const {
   params.hits_to_split = budget_.hits_to_split();
   params.first_span_word = span_.tree ? most_words : 0;
   params.first_span_outcome = most_outcomes;
-  // While time goes on, what is found to stand still or to be the same for ever is worth more than what holds for a span.
+  // While time goes on, what is found to stand still or to be the same for ever is worth more than what holds for a
+  // span.
   params.counts_both = judge_->is_animated() && (!times_ || times_->span_ms().lo < times_->span_ms().hi);
 }
 

@@ -21,8 +21,8 @@ inline constexpr std::array<SetBinding, 4> verdict_bindings{{
     {DMVV_BIND_BUSY_CELLS, vk::DescriptorType::eStorageBuffer},
 }};
 
-/// What is proven of a scene: in one tree for ever, in another for the span of time in which the frames are. ProofBudget
-/// says how much is proven when.
+/// What is proven of a scene: in one tree for ever, in another for the span of time in which the frames are.
+/// ProofBudget says how much is proven when.
 class Verdicts {
  public:
   /// Memory: 72 MiB on the device at most, which the host writes.
@@ -35,8 +35,8 @@ class Verdicts {
   void begin_frame(double time_ms);
   /// Tells `classify` what it needs to know.
   void fill(gpu::PixelsParams& params) const;
-  /// Call when the device is done with all tiles in `ms`, in which it evaluated so many pixels and `drew` a surface or not.
-  /// Splits busy cells for a quarter of that time, at most; returns what that took, in milliseconds.
+  /// Call when the device is done with all tiles in `ms`, in which it evaluated so many pixels and `drew` a surface or
+  /// not. Splits busy cells for a quarter of that time, at most; returns what that took, in milliseconds.
   double end_frame(std::uint32_t evaluated, double ms, bool drew);
 
  private:

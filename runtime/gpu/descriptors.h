@@ -21,7 +21,8 @@ vk::raii::DescriptorSetLayout make_set_layout(const Device::Impl& gpu, std::span
 class DescriptorSet {
  public:
   DescriptorSet() = default;
-  DescriptorSet(const Device::Impl& gpu, const vk::raii::DescriptorSetLayout& layout, std::span<const SetBinding> bindings);
+  DescriptorSet(const Device::Impl& gpu, const vk::raii::DescriptorSetLayout& layout,
+                std::span<const SetBinding> bindings);
 
   vk::DescriptorSet operator*() const { return *set_; }
 

@@ -118,13 +118,15 @@ DeviceExtras extras_of(const vk::raii::PhysicalDevice& physical) {
   constexpr std::uint32_t least_storage_buffer = 1u << 27;  // bytes that every device allows
   const auto chain = physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>();
   const auto& features = chain.get<vk::PhysicalDeviceFeatures2>().features;
-  return {.long_atomics = features.shaderInt64 && chain.get<vk::PhysicalDeviceVulkan12Features>().shaderBufferInt64Atomics,
-          .large_texel_buffers = physical.getProperties().limits.maxTexelBufferElements >= least_storage_buffer / 4,
-          .two_word_texels = features.shaderStorageImageExtendedFormats == VK_TRUE,
-          .fine_sines = driver_of(physical).driverID != vk::DriverId::eGoogleSwiftshader};
+  return {
+      .long_atomics = features.shaderInt64 && chain.get<vk::PhysicalDeviceVulkan12Features>().shaderBufferInt64Atomics,
+      .large_texel_buffers = physical.getProperties().limits.maxTexelBufferElements >= least_storage_buffer / 4,
+      .two_word_texels = features.shaderStorageImageExtendedFormats == VK_TRUE,
+      .fine_sines = driver_of(physical).driverID != vk::DriverId::eGoogleSwiftshader};
 }
 
-std::string driver_text(const vk::PhysicalDeviceProperties& properties, const vk::PhysicalDeviceDriverProperties& driver) {
+std::string driver_text(const vk::PhysicalDeviceProperties& properties,
+                        const vk::PhysicalDeviceDriverProperties& driver) {
   const std::string info = driver.driverInfo.data();
   return fmt::format("{} ({})", driver.driverName.data(), info.empty() ? version_text(properties.driverVersion) : info);
 }
@@ -132,8 +134,8 @@ std::string driver_text(const vk::PhysicalDeviceProperties& properties, const vk
 DeviceInfo describe(const vk::raii::PhysicalDevice& physical, const DeviceExtras& extras) {
   const vk::PhysicalDeviceProperties properties = physical.getProperties();
   const vk::PhysicalDeviceLimits& limits = properties.limits;
-  const bool has_record_texels = extras.two_word_texels && limits.maxPerStageDescriptorStorageImages >=
-                                                               images_of_pixels + most_texel_buffers;
+  const bool has_record_texels =
+      extras.two_word_texels && limits.maxPerStageDescriptorStorageImages >= images_of_pixels + most_texel_buffers;
   return {.name = properties.deviceName,
           .kind = kind_name(properties.deviceType),
           .driver = driver_text(properties, driver_of(physical)),
@@ -151,8 +153,8 @@ std::optional<std::uint32_t> compute_queue_family(const vk::raii::PhysicalDevice
   return std::nullopt;
 }
 
-/// What a device lacks of what every program needs; empty: it can run them. The rest of what kernels use is core in Vulkan 1.2 or
-/// lies within the limits that it guarantees.
+/// What a device lacks of what every program needs; empty: it can run them. The rest of what kernels use is core in
+/// Vulkan 1.2 or lies within the limits that it guarantees.
 std::vector<std::string> lacks(const vk::raii::PhysicalDevice& physical) {
   const vk::PhysicalDeviceProperties properties = physical.getProperties();
   if (properties.apiVersion < VK_API_VERSION_1_2)  // nor may it be asked for more
@@ -164,15 +166,18 @@ std::vector<std::string> lacks(const vk::raii::PhysicalDevice& physical) {
   const auto chain = physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>();
   const auto& subgroups = chain.get<vk::PhysicalDeviceSubgroupProperties>();
   constexpr auto needed = Feature::eBasic | Feature::eArithmetic | Feature::eBallot;  // shaders/pixel_list.glsl
-  if ((subgroups.supportedOperations & needed) != needed || !(subgroups.supportedStages & vk::ShaderStageFlagBits::eCompute))
+  if ((subgroups.supportedOperations & needed) != needed ||
+      !(subgroups.supportedStages & vk::ShaderStageFlagBits::eCompute))
     missing.emplace_back("subgroup arithmetic and ballots in compute shaders");
 
   const auto require = [&](std::uint32_t there, std::uint32_t wanted, std::string_view what, std::string_view limit) {
     if (there < wanted) missing.push_back(fmt::format("{} {} a stage: it has {} ({})", wanted, what, there, limit));
   };
   const vk::PhysicalDeviceLimits& limits = properties.limits;
-  require(limits.maxPerStageDescriptorStorageBuffers, buffers_of_pixels, "storage buffers", "maxPerStageDescriptorStorageBuffers");
-  require(limits.maxPerStageDescriptorStorageImages, images_of_pixels, "storage images", "maxPerStageDescriptorStorageImages");
+  require(limits.maxPerStageDescriptorStorageBuffers, buffers_of_pixels, "storage buffers",
+          "maxPerStageDescriptorStorageBuffers");
+  require(limits.maxPerStageDescriptorStorageImages, images_of_pixels, "storage images",
+          "maxPerStageDescriptorStorageImages");
   return missing;
 }
 
@@ -225,22 +230,29 @@ std::string lower_case(std::string_view text) {
   return lower;
 }
 
-std::string refusal_text(const Refusal& refused) { return fmt::format("{} lacks {}", refused.name, fmt::join(refused.lacks, "; ")); }
+std::string refusal_text(const Refusal& refused) {
+  return fmt::format("{} lacks {}", refused.name, fmt::join(refused.lacks, "; "));
+}
 
 Result<Choice> choose(Offer offer, const std::string& name) {
   if (offer.usable.empty() && offer.refused.empty()) return no_driver("no installed driver offers a device");
-  const auto is_meant = [wanted = lower_case(name)](const std::string& other) { return lower_case(other).find(wanted) != std::string::npos; };
-  const auto chosen = std::ranges::find_if(offer.usable, [&](const Choice& choice) { return is_meant(choice.info.name); });
+  const auto is_meant = [wanted = lower_case(name)](const std::string& other) {
+    return lower_case(other).find(wanted) != std::string::npos;
+  };
+  const auto chosen =
+      std::ranges::find_if(offer.usable, [&](const Choice& choice) { return is_meant(choice.info.name); });
   if (chosen != offer.usable.end()) return std::move(*chosen);
   std::vector<std::string> reasons;
   for (const Refusal& refused : offer.refused)
     if (is_meant(refused.name)) reasons.push_back(refusal_text(refused));
   const std::string what = offer.usable.empty() ? "no Vulkan device here can run programs"
-                           : reasons.empty()    ? fmt::format("no Vulkan device has '{}' in its name", name)
-                                                : fmt::format("no Vulkan device with '{}' in its name can run programs", name);
+                           : reasons.empty()
+                               ? fmt::format("no Vulkan device has '{}' in its name", name)
+                               : fmt::format("no Vulkan device with '{}' in its name can run programs", name);
   if (reasons.empty())
     for (const Refusal& refused : offer.refused) reasons.push_back(refusal_text(refused));
-  for (const Choice& choice : offer.usable) reasons.push_back(fmt::format("there is: {} ({})", choice.info.name, choice.info.kind));
+  for (const Choice& choice : offer.usable)
+    reasons.push_back(fmt::format("there is: {} ({})", choice.info.name, choice.info.kind));
   return fail(Fault::environment, what, std::move(reasons));
 }
 
@@ -252,7 +264,8 @@ void open_queue(Device::Impl& impl) {
   const vk::PhysicalDeviceFeatures features{.shaderStorageImageExtendedFormats = impl.extras.two_word_texels,
                                             .shaderInt64 = impl.extras.long_atomics};
   impl.device = vk::raii::Device(
-      impl.physical, {.pNext = &newer, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue, .pEnabledFeatures = &features});
+      impl.physical,
+      {.pNext = &newer, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue, .pEnabledFeatures = &features});
   impl.queue = impl.device.getQueue(family, 0);
   impl.pool =
       impl.device.createCommandPool({.flags = vk::CommandPoolCreateFlagBits::eTransient, .queueFamilyIndex = family});
@@ -279,8 +292,8 @@ Result<Device> open_device(const DeviceOptions& options, bool has_extras = true)
   return Device(std::move(impl));
 }
 
-/// The driver finds an empty cache, this device's own. Drivers read these when the instance is made; there is no call for
-/// it.
+/// The driver finds an empty cache, this device's own. Drivers read these when the instance is made; there is no call
+/// for it.
 void empty_driver_cache() {
   static std::mutex mutex;
   static std::deque<TemporaryFolder> folders;  // they go with the process: a driver may write to the end
@@ -328,7 +341,8 @@ GpuBuffer Device::Impl::make_buffer(vk::DeviceSize bytes, vk::BufferUsageFlags u
   return made;
 }
 
-GpuImage Device::Impl::make_image(vk::ImageType type, vk::Format format, vk::Extent3D extent, vk::ImageUsageFlags usage) const {
+GpuImage Device::Impl::make_image(vk::ImageType type, vk::Format format, vk::Extent3D extent,
+                                  vk::ImageUsageFlags usage) const {
   GpuImage made;
   made.image = device.createImage({.imageType = type,
                                    .format = format,
@@ -340,11 +354,11 @@ GpuImage Device::Impl::make_image(vk::ImageType type, vk::Format format, vk::Ext
                                    .usage = usage});
   made.memory = allocate(made.image.getMemoryRequirements(), MemoryUse::device);
   made.image.bindMemory(*made.memory, 0);
-  made.view =
-      device.createImageView({.image = *made.image,
-                              .viewType = type == vk::ImageType::e3D ? vk::ImageViewType::e3D : vk::ImageViewType::e2D,
-                              .format = format,
-                              .subresourceRange = {.aspectMask = vk::ImageAspectFlagBits::eColor, .levelCount = 1, .layerCount = 1}});
+  made.view = device.createImageView(
+      {.image = *made.image,
+       .viewType = type == vk::ImageType::e3D ? vk::ImageViewType::e3D : vk::ImageViewType::e2D,
+       .format = format,
+       .subresourceRange = {.aspectMask = vk::ImageAspectFlagBits::eColor, .levelCount = 1, .layerCount = 1}});
   return made;
 }
 
@@ -427,9 +441,8 @@ Result<Device> create_without_extras(const DeviceOptions& options) {
 
 std::shared_future<Result<Device>> Device::create_async(const DeviceOptions& options) {
   if (!options.driver_cache) empty_driver_cache();
-  return std::async(std::launch::async, [options] {
-    return guarded("opening the device", [&] { return open_device(options); });
-  });
+  return std::async(std::launch::async,
+                    [options] { return guarded("opening the device", [&] { return open_device(options); }); });
 }
 
 const DeviceInfo& Device::info() const { return impl_->info; }

@@ -47,8 +47,8 @@ inline constexpr const char* gpu_step = "gpu";
 /// An open Vulkan device; copies are the same. Everything made from it must be destroyed before the last of them.
 class Device {
  public:
-  /// Errors (environment): no Vulkan driver (names the Debian package), no device of that name (lists those there are), no
-  /// device with all that programs need (says what each lacks), no validation layer (names the package).
+  /// Errors (environment): no Vulkan driver (names the Debian package), no device of that name (lists those there are),
+  /// no device with all that programs need (says what each lacks), no validation layer (names the package).
   static Result<Device> create(const DeviceOptions& options);
   /// The same in a thread of its own; loading a driver takes some 50 ms. The process' environment must not be changed
   /// while it runs.

@@ -187,9 +187,10 @@ compiler::CodeCache code_cache(std::shared_ptr<const DiskCache> cache) {
             std::memcpy(words.data(), bytes->data(), bytes->size());
             return words;
           },
-          .keep = [cache](std::string_view key, std::span<const std::uint32_t> spirv) {
-            cache->keep(key, {reinterpret_cast<const char*>(spirv.data()), spirv.size_bytes()});
-          }};
+          .keep =
+              [cache](std::string_view key, std::span<const std::uint32_t> spirv) {
+                cache->keep(key, {reinterpret_cast<const char*>(spirv.data()), spirv.size_bytes()});
+              }};
 }
 
 }  // namespace dmvv::runtime

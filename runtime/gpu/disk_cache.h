@@ -12,10 +12,10 @@
 
 namespace dmvv::runtime {
 
-/// A folder of entries, a file each, named by the hash of the entry's key. A file holds key and value with a checksum, so
-/// that a damaged, cut off or foreign file counts as not there and two keys of the same hash are told apart. Files come
-/// into being whole (a temporary name, renamed), so that any number of processes may use, clear or delete the folder at
-/// any moment. What cannot be read or written is not kept: a cache never fails.
+/// A folder of entries, a file each, named by the hash of the entry's key. A file holds key and value with a checksum,
+/// so that a damaged, cut off or foreign file counts as not there and two keys of the same hash are told apart. Files
+/// come into being whole (a temporary name, renamed), so that any number of processes may use, clear or delete the
+/// folder at any moment. What cannot be read or written is not kept: a cache never fails.
 class DiskCache {
  public:
   static constexpr std::uint64_t default_bytes = std::uint64_t{256} << 20;

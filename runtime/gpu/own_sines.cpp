@@ -35,7 +35,8 @@ class Rewriter {
     for_each([&](std::span<const std::uint32_t> instruction) {
       const std::uint32_t opcode = instruction[0] & 0xffffu;
       if (opcode == op_type_float && instruction[2] == 32) float_ = instruction[1];
-      if (opcode == op_ext_inst_import && std::strcmp(reinterpret_cast<const char*>(&instruction[2]), "GLSL.std.450") == 0) {
+      if (opcode == op_ext_inst_import &&
+          std::strcmp(reinterpret_cast<const char*>(&instruction[2]), "GLSL.std.450") == 0) {
         set_ = instruction[1];
       }
     });
@@ -49,7 +50,8 @@ class Rewriter {
       const std::uint32_t opcode = instruction[0] & 0xffffu;
       if (part == &annotations && opcode >= op_type_void && opcode <= op_type_function) part = &types;
       if (opcode == op_function) part = &functions;
-      if (opcode == op_ext_inst && is_sine(instruction)) return write_out(instruction[4], instruction[5], instruction[2], functions);
+      if (opcode == op_ext_inst && is_sine(instruction))
+        return write_out(instruction[4], instruction[5], instruction[2], functions);
       part->insert(part->end(), instruction.begin(), instruction.end());
     });
     if (made_.empty()) return {words_.begin(), words_.end()};
@@ -88,7 +90,8 @@ class Rewriter {
   }
 
   /// An instruction that makes a float; its result has the id `as`, or a new one.
-  std::uint32_t make(Words& to, std::uint32_t opcode, std::initializer_list<std::uint32_t> operands, std::uint32_t as = 0) {
+  std::uint32_t make(Words& to, std::uint32_t opcode, std::initializer_list<std::uint32_t> operands,
+                     std::uint32_t as = 0) {
     const std::uint32_t id = as != 0 ? as : bound_++;
     to.push_back(static_cast<std::uint32_t>(operands.size() + 3) << 16u | opcode);
     to.insert(to.end(), {float_, id});
@@ -102,15 +105,19 @@ class Rewriter {
     const auto add = [&](std::uint32_t a, std::uint32_t b) { return make(to, op_f_add, {a, b}); };
     const auto subtract = [&](std::uint32_t a, std::uint32_t b) { return make(to, op_f_sub, {a, b}); };
     const auto multiply = [&](std::uint32_t a, std::uint32_t b) { return make(to, op_f_mul, {a, b}); };
-    const auto extended = [&](std::uint32_t function, std::uint32_t a) { return make(to, op_ext_inst, {set_, function, a}); };
+    const auto extended = [&](std::uint32_t function, std::uint32_t a) {
+      return make(to, op_ext_inst, {set_, function, a});
+    };
 
     // ---- turns: how often pi is taken away; half of it more for a cosine ----
     const std::uint32_t share = multiply(x, constant(0.31830987f)), half = constant(0.5f);
     const std::uint32_t count = extended(round_even, is_cosine ? add(share, half) : share);
     const std::uint32_t turns = is_cosine ? subtract(count, half) : count;
 
-    // ---- pi = 201 / 2^6 + 1015 / 2^20 + rest; products of the first two with either half of the turns' bits are exact ----
-    constexpr float many = 2048.0f, pi_high = 201.0f / 64.0f, pi_middle = 1015.0f / 1048576.0f, pi_rest = -3.2584136e-7f;
+    // ---- pi = 201 / 2^6 + 1015 / 2^20 + rest; products of the first two with either half of the turns' bits are exact
+    // ----
+    constexpr float many = 2048.0f, pi_high = 201.0f / 64.0f, pi_middle = 1015.0f / 1048576.0f,
+                    pi_rest = -3.2584136e-7f;
     const std::uint32_t coarse = extended(round_even, multiply(turns, constant(1.0f / many)));
     const std::uint32_t fine = subtract(turns, multiply(coarse, constant(many)));
     std::uint32_t rest = subtract(x, multiply(coarse, constant(many * pi_high)));

@@ -3,8 +3,8 @@
 namespace dmvv::runtime {
 namespace {
 
-/// Drivers must take back what they gave, and only they: the key names all that the Vulkan specification's pipeline cache
-/// header does, and the driver's version.
+/// Drivers must take back what they gave, and only they: the key names all that the Vulkan specification's pipeline
+/// cache header does, and the driver's version.
 std::string key_of(const Device::Impl& gpu, std::span<const std::uint32_t> spirv) {
   const auto properties = gpu.physical.getProperties();
   std::string key = fmt::format("pipelines, vendor {:x}, device {:x}, driver {:x}, ", properties.vendorID,

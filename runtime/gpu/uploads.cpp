@@ -49,9 +49,9 @@ void Uploads::finish() {
       commands.copyBuffer(*copy.staging.buffer, copy.target, vk::BufferCopy{0, 0, copy.staging.bytes});
     }
     for (const TextureCopy& copy : textures_) {
-      commands.pipelineBarrier(Stage::eTopOfPipe, Stage::eTransfer, {}, nullptr, nullptr,
-                               layout_change(copy.target, Layout::eUndefined, Layout::eTransferDstOptimal, {},
-                                             Access::eTransferWrite));
+      commands.pipelineBarrier(
+          Stage::eTopOfPipe, Stage::eTransfer, {}, nullptr, nullptr,
+          layout_change(copy.target, Layout::eUndefined, Layout::eTransferDstOptimal, {}, Access::eTransferWrite));
       commands.copyBufferToImage(
           *copy.staging.buffer, copy.target, Layout::eTransferDstOptimal,
           vk::BufferImageCopy{.imageSubresource = {.aspectMask = vk::ImageAspectFlagBits::eColor, .layerCount = 1},

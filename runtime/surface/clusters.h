@@ -30,7 +30,8 @@ inline constexpr std::uint32_t triangles_of_cluster = DMVV_RUN_TRIANGLES;
 /// Triangles that lie together: all in a ball, their normals in a cone.
 struct Cluster {
   IndexRange indices;  ///< of triangles_of_cluster triangles at most
-  bool has_seen_backs = true;  ///< an eye outside of the mesh may see the backs of its triangles; else they are not drawn
+  bool has_seen_backs =
+      true;  ///< an eye outside of the mesh may see the backs of its triangles; else they are not drawn
   glm::dvec3 center{0.0};
   double radius = 0.0;
   glm::dvec3 axis{0.0};  ///< unit; of the cone
@@ -65,8 +66,8 @@ struct DrawCall {
   IndexRange indices;
 };
 
-/// What has to be drawn. Left out are the clusters that no pixel of the tile shows: beside the picture, cut away and, unless
-/// all backs are shown, turned away from the eye. Cost: linear in clusters times cuts.
+/// What has to be drawn. Left out are the clusters that no pixel of the tile shows: beside the picture, cut away and,
+/// unless all backs are shown, turned away from the eye. Cost: linear in clusters times cuts.
 std::vector<DrawCall> plan_draw(std::span<const Cluster> clusters, const FrameSetup& setup, const Tile& tile,
                                 bool shows_all_backs);
 

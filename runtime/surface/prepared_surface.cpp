@@ -12,7 +12,8 @@ Result<std::unique_ptr<Rasteriser>> prepare(const std::shared_future<Result<Devi
   if (!device) return tl::unexpected(device.error());
   const Device::Impl& gpu = device->impl();
   auto rasteriser = std::make_unique<Rasteriser>(gpu);
-  if (const auto drawn = rasteriser->set_mesh(support_mesh(view), std::move(*arranged)); !drawn) return tl::unexpected(drawn.error());
+  if (const auto drawn = rasteriser->set_mesh(support_mesh(view), std::move(*arranged)); !drawn)
+    return tl::unexpected(drawn.error());
   const auto setup = plan_frame_setup(view, rasteriser->bounds(), longest_picture_px);
   if (!setup) return tl::unexpected(setup.error());
   const glm::uvec2 tile_px = largest_tile(setup->size_px, view.samples);
@@ -30,7 +31,8 @@ PreparedSurface::~PreparedSurface() = default;
 
 std::unique_ptr<Rasteriser> PreparedSurface::take() { return std::move(rasteriser_); }
 
-std::future<Result<PreparedSurface>> PreparedSurface::prepare_async(std::shared_future<Result<Device>> opening, const View& view) {
+std::future<Result<PreparedSurface>> PreparedSurface::prepare_async(std::shared_future<Result<Device>> opening,
+                                                                    const View& view) {
   return std::async(std::launch::async, [opening = std::move(opening), view] {
     return guarded("preparing the surface", [&]() -> Result<PreparedSurface> {
       PreparedSurface prepared;

@@ -1,13 +1,13 @@
 // The raster kernels: the nearest triangle of each pixel, then its surface or a cap.
 //
-// Support meshes are fine, of some two pixels a triangle, and made of as many triangles as a frame has pixels or more. For
-// those compute shaders are faster than the fixed pipeline of a GPU (Karis, Stubbe and Wihlidal 2021, Nanite), and by far
-// than lavapipe's, which shades vertices and sets triangles up in one thread.
+// Support meshes are fine, of some two pixels a triangle, and made of as many triangles as a frame has pixels or more.
+// For those compute shaders are faster than the fixed pipeline of a GPU (Karis, Stubbe and Wihlidal 2021, Nanite), and
+// by far than lavapipe's, which shades vertices and sets triangles up in one thread.
 //
 // A cap is drawn where the solid is inside at the point where a pixel's ray comes into the part that all cuts leave.
 // Counting tells: of the mesh's fragments beyond that point, those that leave the solid minus those that enter it are
-// the shells around the point, whatever the mesh's shape (Crow 1977, shadow volumes). One counting serves all cuts, since the
-// kept part is convex and every ray enters it once.
+// the shells around the point, whatever the mesh's shape (Crow 1977, shadow volumes). One counting serves all cuts,
+// since the kept part is convex and every ray enters it once.
 #include "runtime/surface/raster.h"
 
 #include <algorithm>
@@ -35,7 +35,7 @@ namespace {
 
 constexpr std::uint32_t most_compiled_cuts = 3;  // beyond, kernels are made for any number
 constexpr std::uint32_t any_cuts = 0xffffffffu;
-constexpr std::uint32_t most_groups = 65535;  // every device has so many along an axis
+constexpr std::uint32_t most_groups = 65535;                      // every device has so many along an axis
 constexpr vk::DeviceSize part_header_bytes = 16, part_bytes = 8;  // shaders/parts.glsl
 
 using Access = vk::AccessFlagBits;
@@ -65,17 +65,20 @@ glm::uvec4 vertex_texel(const SurfaceVertex& vertex) {
 }
 
 std::optional<Error> size_fault(const Device::Impl& gpu, const Surface& surface) {
-  const std::size_t words = gpu.extras.large_texel_buffers ? gpu.limits.maxTexelBufferElements : gpu.limits.maxStorageBufferRange / 4;
+  const std::size_t words =
+      gpu.extras.large_texel_buffers ? gpu.limits.maxTexelBufferElements : gpu.limits.maxStorageBufferRange / 4;
   const std::size_t most = std::min(words, 3 * std::size_t{DMVV_DRAWN_TRIANGLE});
   if (surface.indices.size() <= most) return std::nullopt;
   return Error{Fault::input,
-               fmt::format("the support mesh has {} triangles; '{}' can draw {}", surface.indices.size() / 3, gpu.info.name, most / 3),
+               fmt::format("the support mesh has {} triangles; '{}' can draw {}", surface.indices.size() / 3,
+                           gpu.info.name, most / 3),
                {"use a coarser mesh: boundaries within it stay as sharp"}};
 }
 
-void wait(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlags before, vk::AccessFlags written, vk::PipelineStageFlags after,
-          vk::AccessFlags used) {
-  commands.pipelineBarrier(before, after, {}, vk::MemoryBarrier{.srcAccessMask = written, .dstAccessMask = used}, nullptr, nullptr);
+void wait(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlags before, vk::AccessFlags written,
+          vk::PipelineStageFlags after, vk::AccessFlags used) {
+  commands.pipelineBarrier(before, after, {}, vk::MemoryBarrier{.srcAccessMask = written, .dstAccessMask = used},
+                           nullptr, nullptr);
 }
 
 }  // namespace
@@ -86,7 +89,8 @@ vk::DescriptorType Rasteriser::descriptor_type(std::uint32_t binding) const {
       return vk::DescriptorType::eUniformBuffer;
     case DMVV_RASTER_VERTICES:
     case DMVV_RASTER_INDICES:
-      return gpu_.extras.large_texel_buffers ? vk::DescriptorType::eStorageTexelBuffer : vk::DescriptorType::eStorageBuffer;
+      return gpu_.extras.large_texel_buffers ? vk::DescriptorType::eStorageTexelBuffer
+                                             : vk::DescriptorType::eStorageBuffer;
     case DMVV_RASTER_SURFACE:
       return vk::DescriptorType::eStorageImage;
     default:
@@ -99,21 +103,24 @@ Rasteriser::Rasteriser(const Device::Impl& gpu) : gpu_(gpu) {
   std::array<vk::DescriptorPoolSize, DMVV_RASTER_BINDINGS> sizes;
   for (std::uint32_t i = 0; i < DMVV_RASTER_BINDINGS; ++i) {
     const vk::DescriptorType type = descriptor_type(i);
-    of_set[i] = {.binding = i, .descriptorType = type, .descriptorCount = 1, .stageFlags = vk::ShaderStageFlagBits::eCompute};
+    of_set[i] = {
+        .binding = i, .descriptorType = type, .descriptorCount = 1, .stageFlags = vk::ShaderStageFlagBits::eCompute};
     sizes[i] = {type, 1};
   }
   set_layout_ = gpu_.device.createDescriptorSetLayout(vk::DescriptorSetLayoutCreateInfo{}.setBindings(of_set));
   const vk::PushConstantRange step{vk::ShaderStageFlagBits::eCompute, 0, sizeof(std::uint32_t)};
-  layout_ = gpu_.device.createPipelineLayout(vk::PipelineLayoutCreateInfo{}.setSetLayouts(*set_layout_).setPushConstantRanges(step));
+  layout_ = gpu_.device.createPipelineLayout(
+      vk::PipelineLayoutCreateInfo{}.setSetLayouts(*set_layout_).setPushConstantRanges(step));
   params_ = gpu_.make_buffer(sizeof(gpu::RasterParams), Usage::eUniformBuffer, MemoryUse::upload);
   parts_ = gpu_.make_buffer(part_header_bytes + part_bytes * DMVV_MOST_PARTS,
                             Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst, MemoryUse::device);
   part_count_ = gpu_.make_buffer(sizeof(std::uint32_t), Usage::eTransferDst, MemoryUse::readback);
   pool_ = gpu_.device.createDescriptorPool(
-      vk::DescriptorPoolCreateInfo{.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, .maxSets = 1}.setPoolSizes(sizes));
+      vk::DescriptorPoolCreateInfo{.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, .maxSets = 1}
+          .setPoolSizes(sizes));
   const vk::DescriptorSetLayout set_layout = *set_layout_;
-  set_ = std::move(
-      gpu_.device.allocateDescriptorSets({.descriptorPool = *pool_, .descriptorSetCount = 1, .pSetLayouts = &set_layout})[0]);
+  set_ = std::move(gpu_.device.allocateDescriptorSets(
+      {.descriptorPool = *pool_, .descriptorSetCount = 1, .pSetLayouts = &set_layout})[0]);
 }
 
 void Rasteriser::set_extent(vk::Extent2D extent) {
@@ -167,7 +174,8 @@ Result<void> Rasteriser::set_mesh(const voml::Mesh& mesh, ArrangedMesh arranged)
     view = nullptr;
     buffer = uploads.add_buffer(std::as_bytes(std::span(texels)),
                                 as_texels ? Usage::eStorageTexelBuffer : Usage::eStorageBuffer);
-    if (as_texels) view = gpu_.device.createBufferView({.buffer = *buffer.buffer, .format = format, .range = VK_WHOLE_SIZE});
+    if (as_texels)
+      view = gpu_.device.createBufferView({.buffer = *buffer.buffer, .format = format, .range = VK_WHOLE_SIZE});
   };
   upload(vertices, vertices_, vertex_texels_, vk::Format::eR32G32B32A32Uint);
   upload(surface.indices, indices_, index_texels_, vk::Format::eR32Uint);
@@ -185,7 +193,8 @@ Rasteriser::KernelKind Rasteriser::kernel_kind(const FrameSetup& setup) {
 
 vk::raii::Pipeline Rasteriser::make_pipeline(std::span<const std::uint32_t> words, const KernelKind& kind) const {
   const std::array<std::uint32_t, 2> values{kind.cuts, kind.counts};
-  const std::array entries{vk::SpecializationMapEntry{DMVV_RASTER_CUTS, 0, 4}, vk::SpecializationMapEntry{DMVV_RASTER_COUNTS, 4, 4}};
+  const std::array entries{vk::SpecializationMapEntry{DMVV_RASTER_CUTS, 0, 4},
+                           vk::SpecializationMapEntry{DMVV_RASTER_COUNTS, 4, 4}};
   const vk::SpecializationInfo constants{entries.size(), entries.data(), sizeof values, values.data()};
   const vk::raii::ShaderModule module = gpu_.make_shader(words.data(), words.size());
   const PipelineCache cache(gpu_, words);
@@ -202,7 +211,8 @@ Rasteriser::Code Rasteriser::code_for(const DeviceExtras& extras) {
   if (extras.long_atomics && extras.large_texel_buffers)
     return {raster_triangles_long_texels_comp, raster_parts_long_texels_comp, raster_surface_texels_comp};
   if (extras.long_atomics) return {raster_triangles_long_comp, raster_parts_long_comp, raster_surface_comp};
-  if (extras.large_texel_buffers) return {raster_triangles_texels_comp, raster_parts_texels_comp, raster_surface_texels_comp};
+  if (extras.large_texel_buffers)
+    return {raster_triangles_texels_comp, raster_parts_texels_comp, raster_surface_texels_comp};
   return {raster_triangles_comp, raster_parts_comp, raster_surface_comp};
 }
 
@@ -212,7 +222,8 @@ const Rasteriser::Pipelines& Rasteriser::pipelines_for(const FrameSetup& setup) 
   if (found != pipelines_.end()) return found->second;
   const Code code = code_for(gpu_.extras);
   return pipelines_
-      .emplace(kind, Pipelines{make_pipeline(code.triangles, kind), make_pipeline(code.parts, kind), make_pipeline(code.surface, kind)})
+      .emplace(kind, Pipelines{make_pipeline(code.triangles, kind), make_pipeline(code.parts, kind),
+                               make_pipeline(code.surface, kind)})
       .first->second;
 }
 
@@ -234,16 +245,19 @@ void Rasteriser::bind(const GpuImage& surface) {
   };
   for (std::uint32_t i = 0; i < buffers.size(); ++i) {
     const vk::DescriptorBufferInfo info{*buffers[i]->buffer, 0, VK_WHOLE_SIZE};
-    const vk::BufferView view = i == DMVV_RASTER_VERTICES ? *vertex_texels_ : i == DMVV_RASTER_INDICES ? *index_texels_ : nullptr;
+    const vk::BufferView view = i == DMVV_RASTER_VERTICES  ? *vertex_texels_
+                                : i == DMVV_RASTER_INDICES ? *index_texels_
+                                                           : nullptr;
     write(i, {.pBufferInfo = &info, .pTexelBufferView = &view});
   }
   const vk::DescriptorImageInfo image{{}, *surface.view, Layout::eGeneral};
   write(DMVV_RASTER_SURFACE, {.pImageInfo = &image});
 }
 
-void Rasteriser::draw(const vk::raii::CommandBuffer& commands, const FrameSetup& setup, const Tile& tile, bool in_clusters,
-                      const GpuImage& surface) {
-  const auto calls = in_clusters ? plan_draw(clusters_, setup, tile, setup.eye_within) : plan_whole(clusters_, setup, setup.eye_within);
+void Rasteriser::draw(const vk::raii::CommandBuffer& commands, const FrameSetup& setup, const Tile& tile,
+                      bool in_clusters, const GpuImage& surface) {
+  const auto calls = in_clusters ? plan_draw(clusters_, setup, tile, setup.eye_within)
+                                 : plan_whole(clusters_, setup, setup.eye_within);
   gpu::RasterParams params = setup.raster;
   params.tile = {tile.corner_px, tile.size_px};
   params.run_count = static_cast<std::uint32_t>(calls.size());

@@ -27,8 +27,8 @@ class Rasteriser {
   vk::Extent2D extent() const { return extent_; }
   /// A surface that was made and drawn into before, if there is one of this extent; the caller's from then on.
   std::optional<GpuImage> take_surface(vk::Extent2D extent);
-  /// Makes a surface and draws a few pixels of a view into it, so that the driver compiles the kernels now; it is kept for
-  /// `take_surface`.
+  /// Makes a surface and draws a few pixels of a view into it, so that the driver compiles the kernels now; it is kept
+  /// for `take_surface`.
   void rehearse(const FrameSetup& setup);
 
   /// Makes `mesh` the one that is drawn. The same mesh again (compared bit by bit) costs a comparison.
@@ -42,12 +42,12 @@ class Rasteriser {
 
   /// Whether the kernels for such a view have been made.
   bool is_ready(const FrameSetup& setup) const { return pipelines_.contains(kernel_kind(setup)); }
-  /// Records the drawing of one tile into `surface` (shaders/surface.glsl; layout GENERAL, for compute shaders and copies),
-  /// in clusters or as a whole. Writes what the shaders read: the commands must be done before the next call.
+  /// Records the drawing of one tile into `surface` (shaders/surface.glsl; layout GENERAL, for compute shaders and
+  /// copies), in clusters or as a whole. Writes what the shaders read: the commands must be done before the next call.
   void draw(const vk::raii::CommandBuffer& commands, const FrameSetup& setup, const Tile& tile, bool in_clusters,
             const GpuImage& surface);
-  /// Once the commands are done: whether all of the mesh has been drawn. It has not if large triangles lie over each other
-  /// more often than there is room for.
+  /// Once the commands are done: whether all of the mesh has been drawn. It has not if large triangles lie over each
+  /// other more often than there is room for.
   bool is_complete() const;
 
  private:
@@ -81,7 +81,7 @@ class Rasteriser {
   GpuBuffer params_, runs_, parts_, part_count_;
   vk::Extent2D extent_;
   std::optional<GpuImage> spare_;  ///< of this extent
-  GpuBuffer nearest_, shells_;  ///< of each pixel (shaders/raster.h)
+  GpuBuffer nearest_, shells_;     ///< of each pixel (shaders/raster.h)
 
   std::optional<voml::Mesh> mesh_;
   voml::EdgeFaults edges_;

@@ -136,14 +136,16 @@ void plan_perspective(const View& view, const voml::Bounds& bounds, FrameSetup& 
   setup.pixels.bounds_hi = row(bounds.hi);
 }
 
-/// Around the projections of the corners of a box. `project` gives pixels, or nothing for a corner beside or behind the eye.
+/// Around the projections of the corners of a box. `project` gives pixels, or nothing for a corner beside or behind the
+/// eye.
 template <class Project>
 PixelRange range_of(const voml::Bounds& box, glm::uvec2 size_px, std::uint32_t samples, Project project) {
   constexpr double margin_px = 2.0;
   const glm::dvec2 size(size_px);
   glm::dvec2 lo = size, hi(0.0);
   for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 p(corner & 1 ? box.hi.x : box.lo.x, corner & 2 ? box.hi.y : box.lo.y, corner & 4 ? box.hi.z : box.lo.z);
+    const glm::dvec3 p(corner & 1 ? box.hi.x : box.lo.x, corner & 2 ? box.hi.y : box.lo.y,
+                       corner & 4 ? box.hi.z : box.lo.z);
     const std::optional<glm::dvec2> at = project(p);
     if (!at) return {glm::uvec2(0), size_px};
     lo = glm::min(lo, *at - margin_px);
@@ -159,7 +161,8 @@ PixelRange seen_in_perspective(const FrameSetup& setup, const voml::Bounds& boun
   return range_of(bounds, setup.size_px, samples, [&](const glm::dvec3& p) -> std::optional<glm::dvec2> {
     const double depth = glm::dot(setup.forward, p - setup.eye);
     if (!(depth > nearest)) return std::nullopt;
-    const glm::dvec2 across(glm::dot(glm::dvec3(setup.raster.right), p - setup.eye), glm::dot(glm::dvec3(setup.raster.down), p - setup.eye));
+    const glm::dvec2 across(glm::dot(glm::dvec3(setup.raster.right), p - setup.eye),
+                            glm::dot(glm::dvec3(setup.raster.down), p - setup.eye));
     return (across / depth * 0.5 + 0.5) * glm::dvec2(setup.size_px);
   });
 }
@@ -167,10 +170,12 @@ PixelRange seen_in_perspective(const FrameSetup& setup, const voml::Bounds& boun
 /// A section of the standard cube lies in its projection onto the plane.
 PixelRange seen_in_slice(const FrameSetup& setup, std::uint32_t samples) {
   const SliceFrame& slice = *setup.slice;
-  return range_of({glm::dvec3(-1.0), glm::dvec3(1.0)}, setup.size_px, samples, [&](const glm::dvec3& p) -> std::optional<glm::dvec2> {
-    const glm::dvec3 from = p - slice.origin;
-    return glm::dvec2(glm::dot(from, slice.step_x), glm::dot(from, slice.step_y)) / glm::dot(slice.step_x, slice.step_x);
-  });
+  return range_of({glm::dvec3(-1.0), glm::dvec3(1.0)}, setup.size_px, samples,
+                  [&](const glm::dvec3& p) -> std::optional<glm::dvec2> {
+                    const glm::dvec3 from = p - slice.origin;
+                    return glm::dvec2(glm::dot(from, slice.step_x), glm::dot(from, slice.step_y)) /
+                           glm::dot(slice.step_x, slice.step_x);
+                  });
 }
 
 }  // namespace

@@ -39,12 +39,12 @@ struct FrameSetup {
 /// finite.
 Result<FrameSetup> plan_frame_setup(const View& view, const voml::Bounds& bounds, std::uint32_t largest_px);
 
-/// The size of the tiles in which a picture is rendered: whole pixels of samples^2 rendered ones each, some 220 MiB of images
-/// and buffers at most.
+/// The size of the tiles in which a picture is rendered: whole pixels of samples^2 rendered ones each, some 220 MiB of
+/// images and buffers at most.
 glm::uvec2 largest_tile(glm::uvec2 rendered_px, std::uint32_t samples);
 
-/// The surface texels (shaders/surface.glsl) of a slice's tile, without a normal: width * height of them, zeros where the
-/// pixel lies outside the standard cube. Positions are computed in double and rounded once.
+/// The surface texels (shaders/surface.glsl) of a slice's tile, without a normal: width * height of them, zeros where
+/// the pixel lies outside the standard cube. Positions are computed in double and rounded once.
 void fill_slice_surface(const SliceFrame& slice, glm::uvec2 corner_px, glm::uvec2 size_px, glm::uvec4* texels);
 
 }  // namespace dmvv::runtime

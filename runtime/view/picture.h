@@ -19,9 +19,9 @@ struct Picture {
   std::vector<std::uint32_t> regions;  ///< if asked for; at sample (0, 0) of each pixel when samples > 1
   std::vector<float>
       depth;  ///< if asked for: distance along the view direction, root units (0 on a slice); infinity where empty
-  std::vector<glm::vec3>
-      positions;  ///< if asked for: the point evaluated at sample (0, 0), root coordinates; NaN where there is no surface
-  voml::EdgeFaults edges;  ///< of the support mesh when cut: caps of a mesh that is not closed may leak
+  std::vector<glm::vec3> positions;  ///< if asked for: the point evaluated at sample (0, 0), root coordinates; NaN
+                                     ///< where there is no surface
+  voml::EdgeFaults edges;            ///< of the support mesh when cut: caps of a mesh that is not closed may leak
 };
 
 /// Is any pixel not wholly transparent?
@@ -33,8 +33,8 @@ inline std::uint8_t to_byte(float value) {
 }
 
 /// Writes a picture: .png (8 bit, straight alpha), and if it has floats .tif/.tiff (16 bit, straight), .exr (float,
-/// premultiplied as the format wants). Two writes of the same picture give the same bytes. By way of a temporary name. Errors: input fault
-/// for an unknown ending or a folder that does not exist.
+/// premultiplied as the format wants). Two writes of the same picture give the same bytes. By way of a temporary name.
+/// Errors: input fault for an unknown ending or a folder that does not exist.
 Result<void> write_picture(const std::string& path, const Picture& picture);
 /// Region numbers: .exr (one uint channel "region"), .png / .tif (16 bit grey; refused if a number exceeds 65,535).
 Result<void> write_regions(const std::string& path, const Picture& picture);

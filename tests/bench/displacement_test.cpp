@@ -81,7 +81,8 @@ TEST_CASE("a boundary that is not within reach is lost, not guessed") {
   CHECK(found->count + found->lost == 200);
   CHECK(found->lost > 100);
   const auto failing = measure_displacement(
-      shape.surface, [](std::span<const glm::dvec3>) -> Result<std::vector<char>> { return fail(Fault::environment, "gone"); }, 0.1);
+      shape.surface,
+      [](std::span<const glm::dvec3>) -> Result<std::vector<char>> { return fail(Fault::environment, "gone"); }, 0.1);
   REQUIRE_FALSE(failing);
   CHECK(failing.error().message == "gone");
 }

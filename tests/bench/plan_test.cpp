@@ -41,10 +41,12 @@ TEST_CASE("each setting differs from the first in one thing, and every pass is a
   for (const Variant& row : variants()) {
     const Settings& s = row.settings;
     const int differences = (s.codegen != first.codegen) + (s.atlas != first.atlas) + (s.filter != first.filter) +
-                            (s.samples != first.samples) + (s.motion != first.motion || s.verdicts != first.verdicts) + static_cast<int>(s.disabled_passes.size());
+                            (s.samples != first.samples) + (s.motion != first.motion || s.verdicts != first.verdicts) +
+                            static_cast<int>(s.disabled_passes.size());
     CHECK(differences == (&row == &variants().front() ? 0 : 1));
   }
-  for (const compiler::PassInfo& pass : compiler::pass_names()) CHECK(variant("no " + std::string(pass.name)).settings.disabled_passes.size() == 1);
+  for (const compiler::PassInfo& pass : compiler::pass_names())
+    CHECK(variant("no " + std::string(pass.name)).settings.disabled_passes.size() == 1);
 }
 
 TEST_CASE("made scenes are what their names say") {
@@ -84,7 +86,8 @@ TEST_CASE("the balls of many objects fill the same share of the cube, however ma
     auto truth = Truth::create(many_objects(count));
     REQUIRE(truth);
     std::size_t inside = 0;
-    for (const auto& answer : (*truth)->at_points(4000, compiler::Filter::hardware)) inside += answer.path.size() == 2 ? 1 : 0;
+    for (const auto& answer : (*truth)->at_points(4000, compiler::Filter::hardware))
+      inside += answer.path.size() == 2 ? 1 : 0;
     const double share = static_cast<double>(inside) / 4000.0;
     // 4/3 pi (0.95 * 0.44)^3 of each cell that is taken; 1000 takes all of 10^3, 3000 takes 3000 of 15^3, 100 of 5^3.
     const double side = std::ceil(std::cbrt(count) - 1e-9);

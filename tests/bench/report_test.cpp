@@ -62,10 +62,12 @@ TEST_CASE("the JSON has the keys of its description, in their order") {
   const Json json = Json::parse(text);
   CHECK(keys(json) == "schema set quick seconds machine runs fits missing stress starts");
   CHECK(json["schema"] == 5);
-  CHECK(keys(json["machine"]) == "dmvv compiler glslang device device_kind driver vulkan cpu cores memory_bytes system load");
+  CHECK(keys(json["machine"]) ==
+        "dmvv compiler glslang device device_kind driver vulkan cpu cores memory_bytes system load");
   const Json& run = json["runs"][0];
   CHECK(keys(run) ==
-        "id section series variant settings parameter size_px failure times_ms settle build_ms point_ns upload_bytes peak_bytes scene errors thesis");
+        "id section series variant settings parameter size_px failure times_ms settle build_ms point_ns upload_bytes "
+        "peak_bytes scene errors thesis");
   CHECK(keys(run["settings"]) == "codegen atlas filter samples motion verdicts surface_alone disabled_passes");
   CHECK(keys(run["times_ms"]) == "read compile SPIR-V upload pipeline frame gpu");
   CHECK(keys(run["times_ms"]["frame"]) == "median p95 mad count samples");

@@ -81,8 +81,9 @@ TEST_CASE("a case that cannot be measured says why, and the others are measured"
     return source;
   };
   std::vector<std::size_t> counts;
-  const auto measurements = run_cases(
-      {}, cases, {.progress = {}, .done = [&](const std::vector<Measurement>& so_far) { counts.push_back(so_far.size()); }});
+  const auto measurements = run_cases({}, cases, {.progress = {}, .done = [&](const std::vector<Measurement>& so_far) {
+                                                    counts.push_back(so_far.size());
+                                                  }});
   CHECK(counts == std::vector<std::size_t>{1, 2});
   REQUIRE(measurements.size() == 2);
   CHECK(measurements[0].failure.find("scene.voml") != std::string::npos);

@@ -42,8 +42,7 @@ TEST_CASE("cold starts find no cache, warm ones what the last cold one left") {
                                                          "touch \"$XDG_CACHE_HOME/left\"\n",
                                                          log));
   setenv("MESA_SHADER_CACHE_DIR", "elsewhere", 1);
-  const Starts starts = measure_starts(scene(),
-                                       {.program = program, .size_px = {64, 64}, .cold = 2, .warm = 3});
+  const Starts starts = measure_starts(scene(), {.program = program, .size_px = {64, 64}, .cold = 2, .warm = 3});
   unsetenv("MESA_SHADER_CACHE_DIR");
   CHECK(starts.failure.empty());
   CHECK(starts.cold_ms.size() == 2);
@@ -61,7 +60,8 @@ TEST_CASE("the program is told how to look at the scene") {
   source.root = "O.A";
   source.mesh_path = "m.ply";
   source.cuts = {{{0.0, 0.0, 1.0}, 0.25}};
-  source.camera = runtime::Camera{.eye = {3.0, 2.0, 1.0}, .look = {0.0, 0.5, 0.0}, .up = {0.0, 1.0, 0.0}, .fov_deg = 40.0};
+  source.camera =
+      runtime::Camera{.eye = {3.0, 2.0, 1.0}, .look = {0.0, 0.5, 0.0}, .up = {0.0, 1.0, 0.0}, .fov_deg = 40.0};
   source.zoom = 8.0;
   source.time_ms = 40.0;
   const Starts starts = measure_starts(source, {.program = program, .size_px = {64, 32}, .cold = 1, .warm = 0});
@@ -69,8 +69,8 @@ TEST_CASE("the program is told how to look at the scene") {
   std::vector<std::string> words = lines_of(log);
   REQUIRE(words.size() == 17);
   words.erase(words.begin() + 3);  // the picture, somewhere
-  CHECK(words == std::vector<std::string>{"render", "s.voml", "-o", "--quiet", "--size", "64x32", "--time", "40", "--root", "O.A",
-                                          "--mesh", "m.ply", "--cut", "0 0 1 0.25", "--camera",
+  CHECK(words == std::vector<std::string>{"render", "s.voml", "-o", "--quiet", "--size", "64x32", "--time", "40",
+                                          "--root", "O.A", "--mesh", "m.ply", "--cut", "0 0 1 0.25", "--camera",
                                           "eye 3 2 1 look 0 0.5 0 up 0 1 0 fov 5"});
 }
 

@@ -53,6 +53,7 @@ TEST_CASE("points without a logarithm are left out") {
 }
 
 TEST_CASE("the Pareto front holds what nothing beats") {
-  const std::vector<CostError> points{{3.0, 1.0}, {1.0, 5.0}, {2.0, 5.0}, {2.0, 3.0}, {4.0, 2.0}, {5.0, NAN}, {2.0, 3.0}};
+  const std::vector<CostError> points{{3.0, 1.0}, {1.0, 5.0}, {2.0, 5.0}, {2.0, 3.0},
+                                      {4.0, 2.0}, {5.0, NAN}, {2.0, 3.0}};
   CHECK(pareto_front(points) == std::vector<std::size_t>{1, 3, 0});
 }

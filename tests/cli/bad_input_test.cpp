@@ -127,17 +127,16 @@ TEST_CASE("faulty scenes: exit code 1, the place and the cause, no picture") {
 
 TEST_CASE("a mistake in a snippet is reported at its place by every command") {
   const Folder folder;
-  const std::string scene = folder.write(
-      "scene.voml",
-      "<MVV><OBJECT name=\"A\">\n<SDF name=\"S\" function=\"true\">\n  return lenght(p) - 0.5;</SDF>\n"
-      "<REGION name=\"R\" type=\"color\" rgb=\"1 0 0\"/></OBJECT></MVV>");
+  const std::string scene =
+      folder.write("scene.voml",
+                   "<MVV><OBJECT name=\"A\">\n<SDF name=\"S\" function=\"true\">\n  return lenght(p) - 0.5;</SDF>\n"
+                   "<REGION name=\"R\" type=\"color\" rgb=\"1 0 0\"/></OBJECT></MVV>");
   const auto before = folder.listing();
-  for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"check", scene},
-        {"render", scene, "-o", folder.file("p.png")},
-        {"compile", scene, "-o", folder.file("dump")},
-        {"probe", scene, "--point", "0 0 0"},
-        {"probe", scene, "--point", "0 0 0", "--backend", "vulkan"}}) {
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"check", scene},
+                                                    {"render", scene, "-o", folder.file("p.png")},
+                                                    {"compile", scene, "-o", folder.file("dump")},
+                                                    {"probe", scene, "--point", "0 0 0"},
+                                                    {"probe", scene, "--point", "0 0 0", "--backend", "vulkan"}}) {
     const Run run = run_dmvv(arguments);
     CHECK(run.exit_code == 1);
     CHECK(run.out.empty());

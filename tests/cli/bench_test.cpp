@@ -40,9 +40,27 @@ TEST_CASE("a scene is measured with every setting: table, JSON and plots") {
     CHECK(entry["times_ms"]["frame"]["median"] > 0);
     CHECK(entry["peak_bytes"] > 0);
   }
-  CHECK(variants == std::vector<std::string>{"auto", "specialised", "table", "thesis", "camera swings", "time goes on",
-                                             "no merge-assets", "no prune-sides", "no drop-unreachable", "no trim-cubes", "no index", "no refine-index",
-                                             "no chain-seeds", "no fold-affine", "no unite-shapes", "no sink-answers", "no box-tests", "no stages", "no tapes", "no shorten-tapes", "no texel-records",
+  CHECK(variants == std::vector<std::string>{"auto",
+                                             "specialised",
+                                             "table",
+                                             "thesis",
+                                             "camera swings",
+                                             "time goes on",
+                                             "no merge-assets",
+                                             "no prune-sides",
+                                             "no drop-unreachable",
+                                             "no trim-cubes",
+                                             "no index",
+                                             "no refine-index",
+                                             "no chain-seeds",
+                                             "no fold-affine",
+                                             "no unite-shapes",
+                                             "no sink-answers",
+                                             "no box-tests",
+                                             "no stages",
+                                             "no tapes",
+                                             "no shorten-tapes",
+                                             "no texel-records",
                                              "no pixel-list"});
   const std::string plot = folder.read("plots/settings_nested.svg");
   CHECK(plot.find("<svg") != std::string::npos);
@@ -59,7 +77,9 @@ TEST_CASE("a run that is stopped leaves what it measured, and says where it stoo
     for (const json& entry : json::parse(read_file(path))["runs"]) count += entry["failure"].is_null() ? 1 : 0;
     return count;
   };
-  const auto has_measured = [&] { return std::filesystem::exists(path) && measured() >= 2; };  // valid whenever it is read
+  const auto has_measured = [&] {
+    return std::filesystem::exists(path) && measured() >= 2;
+  };  // valid whenever it is read
   const auto last = std::chrono::steady_clock::now() + std::chrono::minutes(5);
   while (!has_measured() && std::chrono::steady_clock::now() < last) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));

@@ -60,8 +60,8 @@ TEST_CASE("a picture is the same without, with an empty, a full, a damaged and a
   const CacheHome scoped(home);
   const std::string scene = folder.write("scene.voml", moving_scene);
   const auto render = [&](std::vector<std::string> more = {}, const char* said = "") {
-    std::vector<std::string> arguments{"render", scene, "-o", folder.file("p.png"), "--slice", "z=0", "--size", "96x64",
-                                       "--time", "700"};
+    std::vector<std::string> arguments{"render", scene,    "-o", folder.file("p.png"), "--slice", "z=0", "--size",
+                                       "96x64",  "--time", "700"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Run run = run_dmvv(arguments);
     CHECK(run.exit_code == 0);

@@ -13,7 +13,8 @@ using namespace dmvv::tests;
 namespace {
 namespace fs = std::filesystem;
 constexpr const char* loose = "<MVV><OBJECT name='A'>\n<REGION type='empty' name='R'/></OBJECT></MVV>";
-constexpr const char* canonical = "<MVV>\n  <OBJECT name=\"A\">\n    <REGION name=\"R\" type=\"empty\"/>\n  </OBJECT>\n</MVV>\n";
+constexpr const char* canonical =
+    "<MVV>\n  <OBJECT name=\"A\">\n    <REGION name=\"R\" type=\"empty\"/>\n  </OBJECT>\n</MVV>\n";
 constexpr const char* broken = "<MVV><OBJECT></MVV>";
 }  // namespace
 
@@ -106,7 +107,9 @@ TEST_CASE("a link stays a link, permissions stay, read-only files are refused") 
   CHECK(folder.read("b.voml") == loose);
 }
 
-TEST_CASE("the examples, the guide's files, and every scene that dmvv writes, are in canonical layout and valid by the schema") {
+TEST_CASE(
+    "the examples, the guide's files, and every scene that dmvv writes, are in canonical layout and valid by the "
+    "schema") {
   const Folder folder;
   std::vector<std::string> command{"fmt", "--check"};
   for (const char* const part : {"examples", "spec/guide"}) {

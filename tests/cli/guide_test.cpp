@@ -1,5 +1,5 @@
-// spec/guide.md, followed to the letter in a new folder: files written, changes made, commands run, their output compared,
-// pictures too. And the commands of README.md.
+// spec/guide.md, followed to the letter in a new folder: files written, changes made, commands run, their output
+// compared, pictures too. And the commands of README.md.
 //
 // DMVV_GUIDE_FILES=spec/guide build/tests/guide_test writes the pictures and files that the guide shows anew.
 #include <doctest/doctest.h>
@@ -126,8 +126,11 @@ void run(const Block& block, const Folder& folder) {
                                             block.lines.begin() + static_cast<std::ptrdiff_t>(end));
     const Run run = run_in_shell(command, folder);
     CAPTURE(command);
-    CHECK_MESSAGE(matches(expected, lines_of(run.out)), "it should print\n" << joined(expected) << "but prints\n" << run.out);
-    const bool counts_errors = !expected.empty() && (expected.back().ends_with(" error") || expected.back().ends_with(" errors"));
+    CHECK_MESSAGE(matches(expected, lines_of(run.out)), "it should print\n"
+                                                            << joined(expected) << "but prints\n"
+                                                            << run.out);
+    const bool counts_errors =
+        !expected.empty() && (expected.back().ends_with(" error") || expected.back().ends_with(" errors"));
     CHECK(run.exit_code == (counts_errors ? 1 : 0));
     i = end;
   }

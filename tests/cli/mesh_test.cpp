@@ -39,7 +39,8 @@ void check_sound(const std::string& ply) {
 
 TEST_CASE("meshes of examples are closed, wound alike, and without triangles that have no area") {
   const Folder folder;
-  for (const char* name : {"shapes/shapes", "sticks/sticks", "library/red_blood_cell", "library/vessel", "library/cell"}) {
+  for (const char* name :
+       {"shapes/shapes", "sticks/sticks", "library/red_blood_cell", "library/vessel", "library/cell"}) {
     CAPTURE(name);
     const std::string scene = std::string(DMVV_SOURCE_DIR) + "/examples/" + name + ".voml", mesh = folder.file("a.ply");
     const Run run = run_dmvv({"mesh", scene, "-o", mesh, "--resolution", "40"});
@@ -54,7 +55,8 @@ TEST_CASE("a picture that shows nothing says so; a mesh of the scene shows it") 
   const std::string scene = folder.write("ball.voml", ball);
   const Run blank = run_dmvv({"render", scene, "-o", folder.file("a.png"), "--size", "40x30"});
   CHECK(blank.exit_code == 0);
-  CHECK(blank.err.find("nothing to see: the scene is empty wherever the standard cube is seen; cut it open") != std::string::npos);
+  CHECK(blank.err.find("nothing to see: the scene is empty wherever the standard cube is seen; cut it open") !=
+        std::string::npos);
   CHECK(run_dmvv({"render", scene, "-o", folder.file("a.png"), "--size", "40x30", "--cut", "0 0 1 0"}).err.empty());
   const Run slice = run_dmvv({"render", scene, "-o", folder.file("a.png"), "--size", "40x30", "--slice", "z=0.9"});
   CHECK(slice.err.find("nothing to see: the scene is empty on this section") != std::string::npos);

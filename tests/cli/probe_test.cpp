@@ -87,8 +87,8 @@ TEST_CASE("points come from a file, the standard input, or the arguments, in tha
 }
 
 TEST_CASE("a filter means the same on every backend") {
-  // Samples of -0.5 and 0.5 at x = -0.5 and 0.5. Beyond the outer sample trilinear stays at -0.5; Catmull-Rom goes on to
-  // -0.568 at x = -0.95.
+  // Samples of -0.5 and 0.5 at x = -0.5 and 0.5. Beyond the outer sample trilinear stays at -0.5; Catmull-Rom goes on
+  // to -0.568 at x = -0.95.
   const Folder folder;
   folder.write("plane.lxn", sampled(2, [](const glm::dvec3& q) { return q.x; }));
   const std::string scene = folder.write("scene.voml", R"(<MVV><OBJECT name="A">

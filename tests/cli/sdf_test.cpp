@@ -215,8 +215,9 @@ TEST_CASE("an SDF of a scene is baked: its own values, or distances, and the sam
     const glm::dvec3 at(i % grid.size.x, i / grid.size.x % grid.size.y, i / (grid.size.x * grid.size.y));
     return grid.box_lo + (at + 0.5) / glm::dvec3(grid.size) * (grid.box_hi - grid.box_lo) - glm::dvec3(0.1, 0, 0);
   };
-  const std::vector<std::string> command{"sdf",   "--from", scene,          "--sdf", "SKIN",    "-o", folder.file("a.lxn"),
-                                         "--time", "360",    "--resolution", "40",    "--check"};
+  const std::vector<std::string> command{
+      "sdf",    "--from", scene,          "--sdf", "SKIN",   "-o", folder.file("a.lxn"),
+      "--time", "360",    "--resolution", "40",    "--check"};
   const Run run = run_dmvv(command);
   CAPTURE(run.err);
   REQUIRE(run.exit_code == 0);
@@ -240,26 +241,26 @@ TEST_CASE("an SDF of a scene is baked: its own values, or distances, and the sam
 
 TEST_CASE("what dmvv sdf refuses: neither or both sources, options of the other, names that no object has") {
   const Folder folder;
-  const std::string scene = folder.write(
-      "s.voml", "<MVV><OBJECT name=\"O\"><SDF name=\"SKIN\" function=\"true\">return p.x;</SDF><REGION name=\"R\" "
-                "type=\"color\" rgb=\"1 0 0\"/></OBJECT></MVV>");
+  const std::string scene =
+      folder.write("s.voml",
+                   "<MVV><OBJECT name=\"O\"><SDF name=\"SKIN\" function=\"true\">return p.x;</SDF><REGION name=\"R\" "
+                   "type=\"color\" rgb=\"1 0 0\"/></OBJECT></MVV>");
   const std::string mesh = folder.write("box.obj", box_obj(0, 1)), out = folder.file("x.lxn");
   struct Case {
     std::vector<std::string> arguments;
     int exit_code;
     std::string word;
   };
-  const Case cases[] = {
-      {{"sdf", "-o", out}, 2, "nothing to make a grid from"},
-      {{"sdf", mesh, "--from", scene, "--sdf", "SKIN", "-o", out}, 2, "a mesh and --from at once"},
-      {{"sdf", "--from", scene, "-o", out}, 2, "--from needs --sdf"},
-      {{"sdf", mesh, "--sdf", "SKIN", "-o", out}, 2, "--sdf is for --from"},
-      {{"sdf", mesh, "--distance", "-o", out}, 2, "--distance is for --from"},
-      {{"sdf", mesh, "--time", "5", "-o", out}, 2, "--time is for --from"},
-      {{"sdf", "--from", scene, "--sdf", "SKIN", "--no-fit", "-o", out}, 2, "--no-fit is for meshes"},
-      {{"sdf", "--from", scene, "--sdf", "SKN", "-o", out}, 1, "did you mean 'SKIN'?"},
-      {{"sdf", "--from", mesh, "--sdf", "SKIN", "-o", out}, 1, "box.obj"},
-      {{"sdf", "--from", folder.file("none.voml"), "--sdf", "SKIN", "-o", out}, 1, "none.voml"}};
+  const Case cases[] = {{{"sdf", "-o", out}, 2, "nothing to make a grid from"},
+                        {{"sdf", mesh, "--from", scene, "--sdf", "SKIN", "-o", out}, 2, "a mesh and --from at once"},
+                        {{"sdf", "--from", scene, "-o", out}, 2, "--from needs --sdf"},
+                        {{"sdf", mesh, "--sdf", "SKIN", "-o", out}, 2, "--sdf is for --from"},
+                        {{"sdf", mesh, "--distance", "-o", out}, 2, "--distance is for --from"},
+                        {{"sdf", mesh, "--time", "5", "-o", out}, 2, "--time is for --from"},
+                        {{"sdf", "--from", scene, "--sdf", "SKIN", "--no-fit", "-o", out}, 2, "--no-fit is for meshes"},
+                        {{"sdf", "--from", scene, "--sdf", "SKN", "-o", out}, 1, "did you mean 'SKIN'?"},
+                        {{"sdf", "--from", mesh, "--sdf", "SKIN", "-o", out}, 1, "box.obj"},
+                        {{"sdf", "--from", folder.file("none.voml"), "--sdf", "SKIN", "-o", out}, 1, "none.voml"}};
   for (const Case& c : cases) {
     const Run run = run_dmvv(c.arguments);
     CAPTURE(run.err);

@@ -194,7 +194,8 @@ TEST_CASE("a result of cellPACK: beads, placements, and the region of each ingre
   CHECK(check.exit_code == 0);
   // y reaches from -3 (C) to 3 + 1.5 + 1 (A turned).
   const auto region_at = [&](const std::string& scene, const std::string& point, const std::string& root = "ALL") {
-    return run_dmvv({"probe", folder.file(scene), "--root", root, "--backend", "reference", "--json", "--point", point}).out;
+    return run_dmvv({"probe", folder.file(scene), "--root", root, "--backend", "reference", "--json", "--point", point})
+        .out;
   };
   const std::string at_c = "-0.0413 -0.0206 0", at_a = "0.7845 0.0619 0";  // (0, 0.5, 0), (10, 1.5, 0)
   CHECK(region_at("two.voml", at_c).find("/C:R.BEADS\"") != std::string::npos);
@@ -204,18 +205,20 @@ TEST_CASE("a result of cellPACK: beads, placements, and the region of each ingre
 
   // Blended, coloured by a table, moving, from a packed file.
   const std::string kinds = folder.write("kinds.csv", "kind,name,rgb\nA b,SPIKE,#ff0000\n");
-  const Run blended = run_dmvv({"seeds", folder.write("two.json.gz", dmvv::tests::gzip(packing)), "-o", folder.file("b"), "--voml", "--blend",
-                                "--jiggle", "0.5", "--kinds", kinds});
+  const Run blended = run_dmvv({"seeds", folder.write("two.json.gz", dmvv::tests::gzip(packing)), "-o",
+                                folder.file("b"), "--voml", "--blend", "--jiggle", "0.5", "--kinds", kinds});
   CAPTURE(blended.err);
   REQUIRE(blended.exit_code == 0);
-  CHECK(region_at("b.voml", "0.77 0.03 0").find("/SPIKE:R.SPIKE\",\"region\":\"R.SPIKE\",\"rgb\":[1,0,0]") != std::string::npos);
+  CHECK(region_at("b.voml", "0.77 0.03 0").find("/SPIKE:R.SPIKE\",\"region\":\"R.SPIKE\",\"rgb\":[1,0,0]") !=
+        std::string::npos);
   CHECK(run_dmvv({"check", "--strict", folder.file("b.voml")}).exit_code == 0);
   CHECK_FALSE(std::ranges::count(folder.listing(), std::string("b_SPIKE_bead.txt")));  // the beads are in the function
 
   const Run fault = run_dmvv({"seeds", folder.write("bad.cpr", "{\n\"a\": x}"), "-o", folder.file("f")});
   CHECK(fault.exit_code == 1);
   CHECK(fault.err.find("bad.cpr:2:6: error[E0568]") != std::string::npos);
-  const Run cut = run_dmvv({"seeds", folder.write("cut.json.gz", dmvv::tests::gzip(packing).substr(0, 60)), "-o", folder.file("f")});
+  const Run cut = run_dmvv(
+      {"seeds", folder.write("cut.json.gz", dmvv::tests::gzip(packing).substr(0, 60)), "-o", folder.file("f")});
   CHECK(cut.exit_code == 1);
   CHECK(cut.err.find("cut.json.gz: the compressed data ends too soon at byte 60") != std::string::npos);
   CHECK(run_dmvv({"seeds", json, "-o", folder.file("f"), "--jiggle", "1"}).exit_code == 2);
@@ -224,8 +227,10 @@ TEST_CASE("a result of cellPACK: beads, placements, and the region of each ingre
 
 TEST_CASE("--beads: a table of beads beside one of placements; kinds without beads are named") {
   const Folder folder;
-  const std::string placed = folder.write("placed.tsv.gz", dmvv::tests::gzip("entity\tt1\tt2\tt3\n7\t-10\t0\t0\n7\t10\t0\t0\n8\t0\t0\t0\n"));
-  const std::string beads = folder.write("beads.tsv", "entity\tx\ty\tz\n7\t-1\t0\t0\n7\t1\t0\t0\n8\t0\t0\t0\n9\t0\t0\t0\n");
+  const std::string placed =
+      folder.write("placed.tsv.gz", dmvv::tests::gzip("entity\tt1\tt2\tt3\n7\t-10\t0\t0\n7\t10\t0\t0\n8\t0\t0\t0\n"));
+  const std::string beads =
+      folder.write("beads.tsv", "entity\tx\ty\tz\n7\t-1\t0\t0\n7\t1\t0\t0\n8\t0\t0\t0\n9\t0\t0\t0\n");
   const Run run = run_dmvv({"seeds", placed, "--beads", beads, "-o", folder.file("cell"), "--voml"});
   CAPTURE(run.err);
   REQUIRE(run.exit_code == 0);

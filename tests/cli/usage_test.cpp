@@ -18,7 +18,8 @@ TEST_CASE("help and version go to the standard output") {
   const Run help = run_dmvv({"--help"});
   CHECK(help.exit_code == 0);
   CHECK(help.err.empty());
-  for (const std::string command : {"new", "check", "fmt", "render", "animate", "probe", "compile", "info", "sdf", "bench"}) {
+  for (const std::string command :
+       {"new", "check", "fmt", "render", "animate", "probe", "compile", "info", "sdf", "bench"}) {
     CHECK(holds(help.out, "\n  " + command));
     const Run details = run_dmvv({command, "--help"});
     CHECK(details.exit_code == 0);

@@ -93,8 +93,10 @@ TEST_CASE("every filter and format gives what the reference reads from the same 
     CAPTURE(scene.name);
     for (const tests::Setting& setting : tests::grid_settings()) {
       CAPTURE(setting.name);
-      if (is_swiftshader && scene.name == "a tree of 24 decisions" && setting.options.filter == compiler::Filter::tricubic) {
-        MESSAGE("left out: SwiftShader's compiler ends the process on some 1,500 fetches in one kernel (spec/accuracy.md)");
+      if (is_swiftshader && scene.name == "a tree of 24 decisions" &&
+          setting.options.filter == compiler::Filter::tricubic) {
+        MESSAGE(
+            "left out: SwiftShader's compiler ends the process on some 1,500 fetches in one kernel (spec/accuracy.md)");
         continue;
       }
       auto passed = module;

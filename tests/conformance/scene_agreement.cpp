@@ -1,7 +1,7 @@
 // Whole scenes from files, on the device and by the reference: scene_agreement SCENE... [--points N] [--seed N]
 //
-// For every form of generated code and, where something moves, five moments up to an hour: how many points the reference
-// is certain of, and how many of these the device answers otherwise (spec/accuracy.md promises: none).
+// For every form of generated code and, where something moves, five moments up to an hour: how many points the
+// reference is certain of, and how many of these the device answers otherwise (spec/accuracy.md promises: none).
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -60,7 +60,8 @@ std::vector<Form> forms_of(const compiler::Module& module, runtime::Device& devi
 }
 
 /// Compares one moment; returns how many answers are wrong.
-std::size_t compare_at(const compiler::Module& module, std::vector<Form>& forms, double time_ms, const Options& options) {
+std::size_t compare_at(const compiler::Module& module, std::vector<Form>& forms, double time_ms,
+                       const Options& options) {
   const compiler::Reference reference(module);
   const auto legend = compiler::legend(module);
   const auto points = tests::random_scenes::draw_points(module, reference, time_ms, options.seed, options.points).all;

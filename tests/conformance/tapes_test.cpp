@@ -1,17 +1,17 @@
 // Large snippets as tapes: the passes `tapes` and `shorten-tapes`, before and after. Same answers, and what they save.
+#include "compiler/layout/tapes.h"
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+#include <algorithm>
+#include <string>
 #include "bench/workload.h"
 #include "compiler/ir/legend.h"
 #include "compiler/layout/tape_cells.h"
-#include "compiler/layout/tapes.h"
 #include "compiler/reference/reference.h"
 #include "runtime/runtime.h"
 #include "shaders/records.h"
 #include "tests/support/agreement.h"
 #include "tests/support/scene_table.h"
-#include <algorithm>
-#include <doctest/doctest.h>
-#include <fmt/format.h>
-#include <string>
 
 using namespace dmvv;
 using compiler::CompileOptions;

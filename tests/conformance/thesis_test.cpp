@@ -85,8 +85,8 @@ TEST_CASE("thesis: a sphere of radius 0.5 ends at 0.52") {
   // (h^2 / 8 times the sum of curvatures, h = 1/16) and the texture unit's weights for 8-bit texels: below 0.01 in all.
   std::vector<glm::dvec3> points;
   std::vector<std::string> expected;
-  for (const glm::dvec3& direction : {glm::dvec3(1, 0, 0), glm::dvec3(0, -1, 0), glm::dvec3(0, 0, 1), glm::dvec3(1, 1, 1),
-                                      glm::dvec3(-1, 1, -1), glm::dvec3(1, -1, 0)}) {
+  for (const glm::dvec3& direction : {glm::dvec3(1, 0, 0), glm::dvec3(0, -1, 0), glm::dvec3(0, 0, 1),
+                                      glm::dvec3(1, 1, 1), glm::dvec3(-1, 1, -1), glm::dvec3(1, -1, 0)}) {
     for (const auto& [radius, path] : {std::pair{0.51, "A:IN"}, std::pair{0.53, "A:OUT"}}) {
       points.push_back(glm::normalize(direction) * radius);
       expected.emplace_back(path);
@@ -133,8 +133,8 @@ TEST_CASE("thesis: neighbours in the atlas and its padding bleed into a grid's o
       "rgb='1 0 0'/><REGION name='OUT' type='color' rgb='0 0 1'/><MAPPINGS><SDF name='T'><POSITIVE region='OUT'/>"
       "<NEGATIVE><SDF name='S'><POSITIVE region='OUT'/><NEGATIVE region='IN'/></SDF></NEGATIVE></SDF></MAPPINGS>"
       "</OBJECT></MVV>";
-  const Both row = paths(scene, {{"a.lxn", constant_lxn(-1.0, 4)}, {"b.lxn", constant_lxn(0.1, 4)}},
-                         {{-0.9, 0, 0}, {-0.7, 0, 0}});
+  const Both row =
+      paths(scene, {{"a.lxn", constant_lxn(-1.0, 4)}, {"b.lxn", constant_lxn(0.1, 4)}}, {{-0.9, 0, 0}, {-0.7, 0, 0}});
   CHECK(row.thesis == Paths{"A:IN", "A:OUT"});
   CHECK(row.reference == Paths{"A:OUT", "A:OUT"});
   // Five texels of 128 (0), then padding of 255: at q.x = 0.9 a quarter of the way between.
@@ -145,8 +145,9 @@ TEST_CASE("thesis: neighbours in the atlas and its padding bleed into a grid's o
 
 TEST_CASE("thesis: a seed at the lower border of an index is in none of its cells") {
   // Entered by its corners, moved by 0.001 of the index: [-1, -0.9986] / 2 + 0.499 lies below 0.
-  const std::string text = root("<INDEX size='4 4 4'><EMBEDDED name='BOX' translate='-0.9993 0 0' scale='0.0007 0.2 0.2'/>"
-                                "<EMBEDDED name='BOX' translate='0.9993 0 0' scale='0.0007 0.2 0.2'/></INDEX>");
+  const std::string text = root(
+      "<INDEX size='4 4 4'><EMBEDDED name='BOX' translate='-0.9993 0 0' scale='0.0007 0.2 0.2'/>"
+      "<EMBEDDED name='BOX' translate='0.9993 0 0' scale='0.0007 0.2 0.2'/></INDEX>");
   const Both both = paths(text, {}, {{-0.9993, 0, 0}, {0.9993, 0, 0}});
   CHECK(both.thesis == Paths{"ROOT:R", "ROOT:R[1]/BOX:B"});
   CHECK(both.reference == Paths{"ROOT:R[0]/BOX:B", "ROOT:R[1]/BOX:B"});
@@ -158,10 +159,10 @@ TEST_CASE("thesis: a seed at the lower border of an index is in none of its cell
 }
 
 TEST_CASE("thesis: of several INDEX only the first is searched, and nothing beside it") {
-  const std::string text =
-      root("<EMBEDDED name='BOX' translate='-0.5 0 0' scale='0.2 0.2 0.2'/><INDEX size='2 2 2'><EMBEDDED name='BOX' "
-           "scale='0.2 0.2 0.2'/></INDEX><INDEX size='2 2 2'><EMBEDDED name='BOX' translate='0.5 0 0' scale='0.2 0.2 0.2'/>"
-           "</INDEX>");
+  const std::string text = root(
+      "<EMBEDDED name='BOX' translate='-0.5 0 0' scale='0.2 0.2 0.2'/><INDEX size='2 2 2'><EMBEDDED name='BOX' "
+      "scale='0.2 0.2 0.2'/></INDEX><INDEX size='2 2 2'><EMBEDDED name='BOX' translate='0.5 0 0' scale='0.2 0.2 0.2'/>"
+      "</INDEX>");
   const Both both = paths(text, {}, {{-0.5, 0, 0}, {0, 0, 0}, {0.5, 0, 0}});
   CHECK(both.thesis == Paths{"ROOT:R", "ROOT:R[1]/BOX:B", "ROOT:R"});
   CHECK(both.reference == Paths{"ROOT:R[0]/BOX:B", "ROOT:R[1]/BOX:B", "ROOT:R[2]/BOX:B"});
@@ -200,14 +201,15 @@ TEST_CASE("thesis: only the first of a region's candidates is tiled") {
 
 TEST_CASE("thesis: analytic seeds are evaluated at the point before seeding") {
   // The seed's cube is 0 <= x <= 1: 0.94 is at 0.88 in it, inside a sphere of 0.9, but 0.94 itself is not.
-  const Both both = paths(one_sdf("function='true' type='seeding' seedFile='p.txt' scale='0.5 0.5 0.5'",
-                                  "return length(p) - 0.9;"),
-                          {{"p.txt", "0.25 0 0\n"}}, {{0.94, 0, 0}, {0.5, 0, 0}});
+  const Both both =
+      paths(one_sdf("function='true' type='seeding' seedFile='p.txt' scale='0.5 0.5 0.5'", "return length(p) - 0.9;"),
+            {{"p.txt", "0.25 0 0\n"}}, {{0.94, 0, 0}, {0.5, 0, 0}});
   CHECK(both.thesis == Paths{"A:OUT", "A:IN"});
   CHECK(both.reference == Paths{"A:IN", "A:IN"});
   // Not seeded, the point is right; the boundary stands at f = 0.02.
-  const Both single = paths(one_sdf("function='true' translate='0.25 0 0' scale='0.5 0.5 0.5'", "return length(p) - 0.5;"),
-                            {}, {{0.5095, 0, 0}, {0.5105, 0, 0}});
+  const Both single =
+      paths(one_sdf("function='true' translate='0.25 0 0' scale='0.5 0.5 0.5'", "return length(p) - 0.5;"), {},
+            {{0.5095, 0, 0}, {0.5105, 0, 0}});
   CHECK(single.thesis == Paths{"A:IN", "A:OUT"});
   CHECK(single.reference == Paths{"A:OUT", "A:OUT"});
 }
@@ -230,8 +232,10 @@ TEST_CASE("thesis: scenes beyond the fixed buffers are refused, naming the buffe
       open += fmt::format("<SDF name='{}'><POSITIVE region='P'/><NEGATIVE>", name);
       close = "</NEGATIVE></SDF>" + close;
     }
-    return "<MVV><OBJECT name='A'>" + sdfs + "<REGION name='P' type='color' rgb='1 0 0'/><REGION name='N' type='color' "
-           "rgb='0 0 1'/><MAPPINGS>" + open + "<REGION name='N'/>" + close + "</MAPPINGS></OBJECT></MVV>";
+    return "<MVV><OBJECT name='A'>" + sdfs +
+           "<REGION name='P' type='color' rgb='1 0 0'/><REGION name='N' type='color' "
+           "rgb='0 0 1'/><MAPPINGS>" +
+           open + "<REGION name='N'/>" + close + "</MAPPINGS></OBJECT></MVV>";
   };
   refused(chain(65, false), {}, "128 nodes; this scene needs 131");
   Diagnostics fine;
@@ -247,7 +251,8 @@ TEST_CASE("thesis: scenes beyond the fixed buffers are refused, naming the buffe
     embedded += fmt::format("<EMBEDDED name='O{}' scale='0.5 0.5 0.5'/>", i);
   }
   refused("<MVV>" + objects + "<OBJECT name='ROOT'><REGION name='R' type='color' rgb='0 0 1'>" + embedded +
-              "</REGION></OBJECT></MVV>", {}, "64 regions; this scene needs 65");
+              "</REGION></OBJECT></MVV>",
+          {}, "64 regions; this scene needs 65");
 }
 
 TEST_CASE("thesis: every conformance scene runs to its end") {

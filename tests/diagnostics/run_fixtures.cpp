@@ -184,11 +184,12 @@ std::vector<Fixture> generated_fixtures() {
                                        4 * (max_elements - 1) + 2)));
   std::string returns;
   for (int i = 0; i < 60; ++i) returns += fmt::format("if (p.x < {0}.5 * p.y) return {0}.0;\n", i);
-  result.push_back(fixture("E0407_returns.voml",
-                           "<MVV><OBJECT name='A'><SDF name='S' function='true'><![CDATA[\n" + returns +
-                               "return p.z;]]></SDF><REGION name='R' type='empty'/></OBJECT></MVV>",
-                           ":2:1: error[E0407]: conditions are nested 60 deep, early returns counted; drivers follow 48 "
-                           "with certainty: search by halves, or choose with ?: or min and max"));
+  result.push_back(
+      fixture("E0407_returns.voml",
+              "<MVV><OBJECT name='A'><SDF name='S' function='true'><![CDATA[\n" + returns +
+                  "return p.z;]]></SDF><REGION name='R' type='empty'/></OBJECT></MVV>",
+              ":2:1: error[E0407]: conditions are nested 60 deep, early returns counted; drivers follow 48 "
+              "with certainty: search by halves, or choose with ?: or min and max"));
   result.push_back(fixture("E0522_seeds.voml",
                            "<MVV><OBJECT name='A'><REGION name='R' type='empty'>\n"
                            "<EMBEDDED name='B' seedFile='many.txt'/></REGION></OBJECT>\n"

@@ -91,7 +91,8 @@ TEST_CASE("a preset is embedded by a scene of the examples that imports it") {
     const std::string text = tests::read_file(entry.path().string());
     for (const auto& [path, object] : presets()) {
       if (fs::path(path) == entry.path()) continue;
-      const bool imports = std::regex_search(text, std::regex("<IMPORT file=\"[^\"]*\\b" + fs::path(path).filename().string() + "\""));
+      const bool imports =
+          std::regex_search(text, std::regex("<IMPORT file=\"[^\"]*\\b" + fs::path(path).filename().string() + "\""));
       if (imports && text.find("<EMBEDDED name=\"" + object + "\"") != std::string::npos) used.insert(object);
     }
   }

@@ -22,7 +22,8 @@ class OneCell {
  public:
   OneCell() : path_(folder / "skin_one_cell.voml") {
     const std::string text = read_file((folder / "skin.voml").string());
-    const std::string changed = std::regex_replace(text, std::regex("<INDEX size=\"[0-9 ]+\""), "<INDEX size=\"1 1 1\"");
+    const std::string changed =
+        std::regex_replace(text, std::regex("<INDEX size=\"[0-9 ]+\""), "<INDEX size=\"1 1 1\"");
     REQUIRE(changed != text);
     REQUIRE(write_file(path_.string(), changed));
   }
@@ -60,13 +61,15 @@ TEST_CASE("pictures of the skin do not depend on its indices") {
   const Folder out;
   const OneCell one_cell;
   // The block as a whole, and so near that a pixel is a tenth of a cell: there its borders are everywhere.
-  const std::vector<std::string> cameras{"eye 1.35 1.45 4.6 look 0.06 -0.07 -0.15 fov 27.5", "eye 0.8 0.62 1.2 look 0.62 0.52 0.35 fov 12"};
+  const std::vector<std::string> cameras{"eye 1.35 1.45 4.6 look 0.06 -0.07 -0.15 fov 27.5",
+                                         "eye 0.8 0.62 1.2 look 0.62 0.52 0.35 fov 12"};
   for (const std::string& camera : cameras) {
     CAPTURE(camera);
     std::vector<std::string> pictures, regions;
     for (const std::string& path : {(folder / "skin.voml").string(), one_cell.path()}) {
-      const Run run = run_dmvv({"render", path, "--mesh", (folder / "skin.ply").string(), "--cut", "0 0 1 0.35", "--camera", camera, "--size",
-                                "160x90", "--time", "700", "--codegen", "table", "-o", out.file("p.png"), "--aov", "region=" + out.file("r.exr")});
+      const Run run = run_dmvv({"render", path, "--mesh", (folder / "skin.ply").string(), "--cut", "0 0 1 0.35",
+                                "--camera", camera, "--size", "160x90", "--time", "700", "--codegen", "table", "-o",
+                                out.file("p.png"), "--aov", "region=" + out.file("r.exr")});
       REQUIRE_MESSAGE(run.exit_code == 0, run.err);
       pictures.push_back(out.read("p.png"));
       regions.push_back(out.read("r.exr"));

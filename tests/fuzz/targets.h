@@ -26,8 +26,8 @@ struct Target {
   std::string_view name;
   Run run;
 };
-inline constexpr Target targets[] = {{"voml", run_voml},        {"lxn", run_lxn},   {"vectors", run_vectors},
-                                     {"bitmap", run_bitmap},    {"mesh", run_mesh}, {"snippet", run_snippet},
+inline constexpr Target targets[] = {{"voml", run_voml},         {"lxn", run_lxn},     {"vectors", run_vectors},
+                                     {"bitmap", run_bitmap},     {"mesh", run_mesh},   {"snippet", run_snippet},
                                      {"molecule", run_molecule}, {"table", run_table}, {"cellpack", run_cellpack}};
 
 /// Ends the process if `holds` is false: a finding.

@@ -85,20 +85,26 @@ std::optional<Fault> check_reference(const Scene& scene, const compiler::Module&
 }
 
 /// What is proven of the cells around some of the points, for ever and around each moment, at all of them.
-std::optional<Fault> check_verdicts(const compiler::Judge& judge, const Setting& setting, const std::vector<Look>& looks) {
+std::optional<Fault> check_verdicts(const compiler::Judge& judge, const Setting& setting,
+                                    const std::vector<Look>& looks) {
   constexpr std::size_t most_grown = 24, bricks = 512;
   constexpr int rounds = 4;
   const auto claim = [&](const tests::GrownTree& tree, const Look& now) -> std::optional<Fault> {
     for (std::size_t i = 0; i < now.expected.size(); ++i) {
       const gpu::RegionRecord* outcome = tree.outcome_at(now.points.all[i]);
       if (outcome == nullptr || !now.expected[i].certain || agrees(*outcome, now.expected[i])) continue;
-      return Fault{Fault::Kind::verdict, setting.name, now.time_ms, now.points.all[i],
-                   fmt::format("region {}", now.expected[i].number), fmt::format("region {}", outcome->number)};
+      return Fault{Fault::Kind::verdict,
+                   setting.name,
+                   now.time_ms,
+                   now.points.all[i],
+                   fmt::format("region {}", now.expected[i].number),
+                   fmt::format("region {}", outcome->number)};
     }
     return std::nullopt;
   };
   tests::GrownTree always(judge, judge.always(), bricks);
-  for (const Look& now : looks) always.grow(std::span(now.points.all).last(std::min(most_grown, now.points.all.size())), rounds);
+  for (const Look& now : looks)
+    always.grow(std::span(now.points.all).last(std::min(most_grown, now.points.all.size())), rounds);
   for (const Look& now : looks) {
     if (auto fault = claim(always, now)) return fault;
     if (!judge.is_animated()) continue;
@@ -121,8 +127,11 @@ std::optional<Fault> check_reach(runtime::Evaluator& evaluator, const Setting& s
   const auto anew = evaluator.render(view);
   std::erase(view.disabled_passes, "reach");
   const auto led = evaluator.render(view);
-  const auto failed = [&](const std::string& got) { return Fault{Fault::Kind::device, setting.name, time_ms, {}, {}, got}; };
-  if (!anew || !led) return std::nullopt;  // more loop rounds than there are: reported, and `probe` says for which points
+  const auto failed = [&](const std::string& got) {
+    return Fault{Fault::Kind::device, setting.name, time_ms, {}, {}, got};
+  };
+  if (!anew || !led)
+    return std::nullopt;  // more loop rounds than there are: reported, and `probe` says for which points
   if (anew->regions != led->regions) return failed("a picture whose regions are others with leaders");
   if (anew->rgba != led->rgba) return failed("a picture whose colours are others with leaders");
   return std::nullopt;
@@ -144,7 +153,8 @@ std::optional<Fault> check_setting(runtime::Device& device, const compiler::Modu
     if (!made) return fault(Fault::Kind::spirv, text_of(made.error()));
   }
   ++counts.programs;
-  const bool reads_otherwise = form.atlas_format != compiler::TexelFormat::r32f || form.filter != compiler::Filter::hardware;
+  const bool reads_otherwise =
+      form.atlas_format != compiler::TexelFormat::r32f || form.filter != compiler::Filter::hardware;
   if (setting.name == "specialised" || reads_otherwise) {  // the others have the same judge
     if (auto wrong = check_verdicts(*program->judge, setting, looks)) return wrong;
   }

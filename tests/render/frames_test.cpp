@@ -21,7 +21,9 @@ const char* const beating_text = R"(<MVV>
     <REGION name="STANDS" type="color" rgb="0 1 0"/>
     <MAPPINGS><SDF name="CUT"><POSITIVE region="BEATS"/><NEGATIVE region="STANDS"/></SDF></MAPPINGS></OBJECT></MVV>)";
 
-compiler::Module beating() { return tests::lowered(beating_text, {{"seeds.txt", "0.3 0.2 0\n0.2 -0.3 0.1\n0.4 0 0.4\n-0.1 0.1 0.2\n"}}); }
+compiler::Module beating() {
+  return tests::lowered(beating_text, {{"seeds.txt", "0.3 0.2 0\n0.2 -0.3 0.1\n0.4 0 0.4\n-0.1 0.1 0.2\n"}});
+}
 
 compiler::CompileOptions judged() {
   compiler::CompileOptions options;
@@ -57,7 +59,8 @@ std::vector<runtime::View> film() {
 TEST_CASE("no frame shows that verdicts were used, that what stands still was kept, or in which order") {
   const Folder folder;
   std::vector<std::pair<std::string, compiler::Module>> modules{{"beating", beating()}};
-  for (const RenderScene& scene : write_render_scenes(folder)) modules.emplace_back(scene.name, tests::lowered_file(scene.path));
+  for (const RenderScene& scene : write_render_scenes(folder))
+    modules.emplace_back(scene.name, tests::lowered_file(scene.path));
   for (const auto& scene : modules) {
     CAPTURE(scene.first);
     const compiler::Program program = tests::compiled(scene.second, judged());
@@ -83,7 +86,8 @@ TEST_CASE("no frame shows that verdicts were used, that what stands still was ke
       unsteady += steady->rgba != expected->rgba || steady->regions != expected->regions;
       unsteady += all->rgba != expected->rgba || all->regions != expected->regions;
       pixels += expected->regions.size();
-      for (std::size_t i = 0; i < got->regions.size(); ++i) different_regions += got->regions[i] != expected->regions[i];
+      for (std::size_t i = 0; i < got->regions.size(); ++i)
+        different_regions += got->regions[i] != expected->regions[i];
       for (std::size_t i = 0; i < got->rgba.size(); ++i) {
         largest_difference = std::max(largest_difference, std::abs(got->rgba[i] - expected->rgba[i]));
         differing_bytes += runtime::to_byte(got->rgba[i]) != runtime::to_byte(expected->rgba[i]);

@@ -30,7 +30,8 @@ runtime::View cut_open(double at) {
 const char* const ball =
     "<MVV><OBJECT name='O'><SDF name='S' function='true'>return length(p) - 0.8;</SDF>"
     "<REGION name='IN' type='color' rgb='1 0.5 0'/><REGION name='OUT' type='color' rgb='0 0 1'/>"
-    "<MAPPINGS name='O'><SDF name='S'><POSITIVE><REGION name='OUT'/></POSITIVE><NEGATIVE><REGION name='IN'/></NEGATIVE></SDF>"
+    "<MAPPINGS name='O'><SDF name='S'><POSITIVE><REGION name='OUT'/></POSITIVE><NEGATIVE><REGION "
+    "name='IN'/></NEGATIVE></SDF>"
     "</MAPPINGS></OBJECT></MVV>";
 
 }  // namespace

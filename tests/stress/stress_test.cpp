@@ -17,9 +17,10 @@ TEST_CASE("every stress case holds") {
   auto device = runtime::Device::create({.name = "", .validation = true});
   REQUIRE_MESSAGE(device, device.error().message);
   const auto cases = stress::run(*device, {.long_form = long_form}, [](const stress::Case& done) {
-    fmt::print("{:<46} {:>10.4g} {} {:<7.3g} {:<15} {}\n", done.name, done.measured, done.at_least ? ">=" : "<=",
-               done.bound, done.unit, done.detail);
-    CHECK_MESSAGE(done.held, done.name << ": " << done.what << ": " << done.measured << " " << done.unit << " " << done.detail);
+    fmt::print("{:<46} {:>10.4g} {} {:<7.3g} {:<15} {}\n", done.name, done.measured,
+               done.at_least ? ">=" : "<=", done.bound, done.unit, done.detail);
+    CHECK_MESSAGE(done.held,
+                  done.name << ": " << done.what << ": " << done.measured << " " << done.unit << " " << done.detail);
   });
   REQUIRE_MESSAGE(cases, cases.error().message);
   CHECK(cases->size() > 40);

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 const fs::path source_folder = DMVV_SOURCE_DIR;
 
 struct Rooms {
-  std::vector<std::string> names;                            ///< in the order of the table
+  std::vector<std::string> names;  ///< in the order of the table
   std::map<std::string, std::vector<std::string>> may_include;
   std::map<std::string, std::vector<std::string>> users;  ///< of the headers that begin like this: "<vulkan/"
 };
@@ -92,7 +92,8 @@ std::vector<std::string> sources(const Rooms& rooms) {
     if (room.find('/') != std::string::npos) continue;  // within another one
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(source_folder / room)) {
       const std::string ending = entry.path().extension().string();
-      if (ending == ".h" || ending == ".cpp") files.push_back(fs::relative(entry.path(), source_folder).generic_string());
+      if (ending == ".h" || ending == ".cpp")
+        files.push_back(fs::relative(entry.path(), source_folder).generic_string());
     }
   }
   std::sort(files.begin(), files.end());

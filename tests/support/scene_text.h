@@ -21,12 +21,12 @@ inline std::string to_text(const voml::Scene& scene) {
     const auto* grid = std::get_if<Id<voml::Grid>>(&s.source);
     const std::size_t source = grid ? grid->index : std::get<Id<voml::Function>>(s.source).index;
     out += fmt::format("sdf {} {}{} {} {} {} {} {}\n", s.name, grid ? 'g' : 'f', source, static_cast<int>(s.placement),
-                       to_text(s.transform), s.seeds.index,
-                       s.index_size ? to_text(glm::dvec3(*s.index_size)) : "", s.offset);
+                       to_text(s.transform), s.seeds.index, s.index_size ? to_text(glm::dvec3(*s.index_size)) : "",
+                       s.offset);
   }
   for (const voml::Region& r : scene.regions) {
-    out += fmt::format("region {} {} {} {} {} {} {}\n", r.name, r.object.index, static_cast<int>(r.kind), to_text(r.rgb),
-                       r.bitmap.index, to_text(r.transform), r.opacity);
+    out += fmt::format("region {} {} {} {} {} {} {}\n", r.name, r.object.index, static_cast<int>(r.kind),
+                       to_text(r.rgb), r.bitmap.index, to_text(r.transform), r.opacity);
     for (const voml::EmbeddingGroup& group : r.groups) {
       out += group.index ? "  index " + to_text(glm::dvec3(group.index->size)) + to_text(group.index->transform) + '\n'
                          : "  group\n";

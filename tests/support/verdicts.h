@@ -18,7 +18,10 @@ class GrownTree {
  public:
   GrownTree(const compiler::Judge& judge, const compiler::Judge::Times& times, std::size_t bricks = 4096,
             std::size_t outcomes = 4096)
-      : words_(bricks * DMVV_BRICK_WORDS), hits_(words_.size()), outcomes_(outcomes), tree_(judge, times, {words_, hits_, outcomes_}) {}
+      : words_(bricks * DMVV_BRICK_WORDS),
+        hits_(words_.size()),
+        outcomes_(outcomes),
+        tree_(judge, times, {words_, hits_, outcomes_}) {}
 
   /// Splits the cells of the points, again and again.
   void grow(std::span<const glm::dvec3> points, int rounds) {

@@ -28,7 +28,8 @@ std::vector<glm::u8vec4> to_texels(const Image8& image) {
   return texels;
 }
 
-/// No format packs more pixels into a byte: the best are deflate with 1032 bytes a byte, of pictures with a bit a pixel.
+/// No format packs more pixels into a byte: the best are deflate with 1032 bytes a byte, of pictures with a bit a
+/// pixel.
 constexpr std::uint64_t most_pixels_per_byte = 1032 * 8;
 
 std::optional<Bitmap> parse(std::string_view given, const std::string& path, Span named_at, Diagnostics& diagnostics) {
@@ -54,8 +55,9 @@ std::optional<Bitmap> parse(std::string_view given, const std::string& path, Spa
     return refuse(Code::bitmap_size, fmt::format("it has n = {}, at most {} is allowed", info->width, max_bitmap_edge));
   }
   if (info->width * info->height > bytes.size() * most_pixels_per_byte) {
-    return refuse(Code::bitmap_unreadable, fmt::format("it cannot be decoded: its {} bytes are too few for {} x {} pixels",
-                                                       bytes.size(), info->width, info->height));
+    return refuse(Code::bitmap_unreadable,
+                  fmt::format("it cannot be decoded: its {} bytes are too few for {} x {} pixels", bytes.size(),
+                              info->width, info->height));
   }
   constexpr std::uint64_t most_texels = std::uint64_t{max_bitmap_edge} * max_bitmap_edge * max_bitmap_edge;
   const auto image = decode_image(bytes, path, 4 * most_texels);

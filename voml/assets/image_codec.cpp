@@ -18,8 +18,10 @@ struct Signature {
   const char* format;  ///< OpenImageIO's name of it
 };
 constexpr Signature signatures[] = {{"\xff\xd8\xff", "jpeg"},
-                                    {{"II*\0", 4}, "tiff"},          {{"MM\0*", 4}, "tiff"},
-                                    {"\x76\x2f\x31\x01", "openexr"}, {"BM", "bmp"}};
+                                    {{"II*\0", 4}, "tiff"},
+                                    {{"MM\0*", 4}, "tiff"},
+                                    {"\x76\x2f\x31\x01", "openexr"},
+                                    {"BM", "bmp"}};
 
 /// What the content says, as endings lie; else the file's name decides.
 std::string format_of(std::string_view bytes, const std::string& name) {
@@ -29,7 +31,9 @@ std::string format_of(std::string_view bytes, const std::string& name) {
   return name;
 }
 
-tl::unexpected<Error> unreadable(std::string_view why) { return fail(Fault::input, std::string(OIIO::Strutil::strip(OIIO::string_view(why.data(), why.size())))); }
+tl::unexpected<Error> unreadable(std::string_view why) {
+  return fail(Fault::input, std::string(OIIO::Strutil::strip(OIIO::string_view(why.data(), why.size()))));
+}
 
 /// `memory` reads from `bytes`, which must outlive the result.
 Result<std::unique_ptr<OIIO::ImageInput>> open(OIIO::Filesystem::IOProxy& memory, std::string_view bytes,
@@ -43,9 +47,7 @@ Result<std::unique_ptr<OIIO::ImageInput>> open(OIIO::Filesystem::IOProxy& memory
   return unreadable(input ? input->geterror() : OIIO::geterror());
 }
 
-OIIO::Filesystem::IOMemReader reader(std::string_view bytes) {
-  return {const_cast<char*>(bytes.data()), bytes.size()};
-}
+OIIO::Filesystem::IOMemReader reader(std::string_view bytes) { return {const_cast<char*>(bytes.data()), bytes.size()}; }
 
 /// Runs `read` and turns what is thrown (memory, a decoder's fault) into an error.
 template <class T, class Read>
@@ -64,9 +66,12 @@ Result<ImageInfo> inspect(std::string_view bytes, const std::string& name) {
     if (!input) return tl::unexpected(input.error());
     const OIIO::ImageSpec& spec = (*input)->spec();
     if (spec.width < 1 || spec.height < 1 || spec.depth < 1 || spec.nchannels < 1) return unreadable("it has no pixel");
-    return ImageInfo{static_cast<std::uint64_t>(spec.width), static_cast<std::uint64_t>(spec.height),
-                     static_cast<std::uint64_t>(spec.depth), spec.channelnames,
-                     spec.format.c_str(), (*input)->format_name()};
+    return ImageInfo{static_cast<std::uint64_t>(spec.width),
+                     static_cast<std::uint64_t>(spec.height),
+                     static_cast<std::uint64_t>(spec.depth),
+                     spec.channelnames,
+                     spec.format.c_str(),
+                     (*input)->format_name()};
   });
 }
 
@@ -79,8 +84,10 @@ Result<Image8> decode(std::string_view bytes, const std::string& name, std::uint
     if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1) {
       return unreadable("it is not one picture of width times height");
     }
-    Image8 image{static_cast<std::uint64_t>(spec.width), static_cast<std::uint64_t>(spec.height),
-                 static_cast<std::uint32_t>(std::min(spec.nchannels, 4)), {}};
+    Image8 image{static_cast<std::uint64_t>(spec.width),
+                 static_cast<std::uint64_t>(spec.height),
+                 static_cast<std::uint32_t>(std::min(spec.nchannels, 4)),
+                 {}};
     const std::uint64_t pixels = image.width * image.height;
     if (pixels > max_samples / image.channels) {
       return unreadable(fmt::format("it has {} x {} pixels, more than is allowed", image.width, image.height));

@@ -15,7 +15,8 @@ Result<const ImageCodec*> load() {
   const auto entry = module ? reinterpret_cast<const ImageCodec* (*)()>(dlsym(module, image_codec_entry)) : nullptr;
   if (entry) return entry();
   const char* const why = dlerror();
-  return fail(Fault::environment, std::string("pictures cannot be read or written: the module '") + image_codec_file + "' is not there",
+  return fail(Fault::environment,
+              std::string("pictures cannot be read or written: the module '") + image_codec_file + "' is not there",
               {why ? why : "its entry is missing", "it is installed in dmvv's folder beside the libraries"});
 }
 

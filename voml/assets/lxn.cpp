@@ -102,7 +102,8 @@ class Reader {
   static std::string_view box_fault(float lo, float hi) {
     if (!std::isfinite(lo) || !std::isfinite(hi)) return "not finite";
     if (!(lo < hi)) return "empty or reversed";
-    const auto cube_lo = static_cast<float>(2.0 * double{lo} - 1.0), cube_hi = static_cast<float>(2.0 * double{hi} - 1.0);
+    const auto cube_lo = static_cast<float>(2.0 * double{lo} - 1.0),
+               cube_hi = static_cast<float>(2.0 * double{hi} - 1.0);
     if (!std::isfinite(cube_lo) || !std::isfinite(cube_hi)) return "beyond the range of float32";
     if (!(cube_lo < cube_hi)) return "thinner than float32 can tell";
     return {};

@@ -275,7 +275,8 @@ std::vector<bool> outward_triangles(const Mesh& mesh) {
   std::vector<double> volumes(mesh.positions.size(), 0.0);  // six times
   const glm::dvec3 origin = mesh.positions[mesh.triangles.front().x];
   for (const glm::uvec3& t : mesh.triangles) {
-    const glm::dvec3 a = mesh.positions[t.x] - origin, b = mesh.positions[t.y] - origin, c = mesh.positions[t.z] - origin;
+    const glm::dvec3 a = mesh.positions[t.x] - origin, b = mesh.positions[t.y] - origin,
+                     c = mesh.positions[t.z] - origin;
     volumes[part_of(t.x)] += glm::dot(a, glm::cross(b, c));
   }
   std::vector<bool> outward;

@@ -22,9 +22,9 @@ struct Mesh {
 /// Parses a mesh; the format follows from the content (STL, PLY, OFF magic) and else from the name's ending (.obj). A
 /// byte order mark does not count; what stands behind the last triangle that is promised is passed over, with a warning
 /// (W0600).
-/// Errors: a diagnostic with the line (text) or byte offset (binary), then the result is empty. Refused: unknown format,
-/// truncated data, counts that exceed the file's length, indices out of range, numbers that are not finite, no triangle.
-/// Cost: linear.
+/// Errors: a diagnostic with the line (text) or byte offset (binary), then the result is empty. Refused: unknown
+/// format, truncated data, counts that exceed the file's length, indices out of range, numbers that are not finite, no
+/// triangle. Cost: linear.
 std::optional<Mesh> parse_mesh(const std::string& path, std::string_view bytes, Diagnostics& diagnostics);
 
 struct Bounds {

@@ -11,7 +11,8 @@ namespace {
 
 class ObjReader {
  public:
-  ObjReader(std::string_view bytes, MeshWarnings& warnings) : text_(bytes, /*continuation=*/true), warnings_(warnings) {}
+  ObjReader(std::string_view bytes, MeshWarnings& warnings)
+      : text_(bytes, /*continuation=*/true), warnings_(warnings) {}
 
   Mesh read() {
     for (; !text_.at_end() && !ends_here(); text_.next_line()) read_line();
@@ -34,9 +35,9 @@ class ObjReader {
     const std::string_view word = text_.token();
     const bool ends = !word.empty() && (word[0] == '\0' || word[0] == '\x1a');
     if (ends) {
-      warnings_.push_back(text_.remark(
-          Code::mesh_trailing_data,
-          fmt::format("the text ends here; {} bytes are passed over", word.size() + text_.remaining())));
+      warnings_.push_back(
+          text_.remark(Code::mesh_trailing_data,
+                       fmt::format("the text ends here; {} bytes are passed over", word.size() + text_.remaining())));
     }
     text_ = start;
     return ends;

@@ -83,8 +83,8 @@ class OffReader {
 
   void check_promise(std::size_t least_bytes) {
     if (least_bytes <= text_.remaining() + 1) return;  // the last blank may be missing
-    text_.refuse_here(Code::mesh_truncated, fmt::format("the counts promise at least {} bytes, {} are left", least_bytes,
-                                                        text_.remaining()));
+    text_.refuse_here(Code::mesh_truncated,
+                      fmt::format("the counts promise at least {} bytes, {} are left", least_bytes, text_.remaining()));
   }
 
   void read_vertex() {

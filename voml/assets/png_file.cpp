@@ -43,8 +43,8 @@ struct Reader {
   Reader& operator=(const Reader&) = delete;
 
   tl::unexpected<Error> failed() const {
-    return fail(Fault::input, std::strcmp(complaint.text, "read past the end") == 0 ? "the PNG file ends too early"
-                                                                                      : complaint.text);
+    return fail(Fault::input,
+                std::strcmp(complaint.text, "read past the end") == 0 ? "the PNG file ends too early" : complaint.text);
   }
 };
 
@@ -148,8 +148,10 @@ Result<ImageInfo> inspect_png(std::string_view bytes) {
 Result<Image8> decode_png(std::string_view bytes, std::uint64_t max_samples) {
   Reader reader(bytes);
   if (!read_header(reader) || !convert_to_8_bits(reader)) return reader.failed();
-  Image8 image{png_get_image_width(reader.png, reader.info), png_get_image_height(reader.png, reader.info),
-               png_get_channels(reader.png, reader.info), {}};
+  Image8 image{png_get_image_width(reader.png, reader.info),
+               png_get_image_height(reader.png, reader.info),
+               png_get_channels(reader.png, reader.info),
+               {}};
   const std::size_t row_bytes = image.width * image.channels;
   if (image.height > max_samples / row_bytes) return fail(Fault::input, "it has more pixels than are allowed");
   // A deflate stream has at least a thousandth of the bytes it stands for: a header that lies is found out here.

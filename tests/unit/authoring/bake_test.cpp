@@ -56,14 +56,17 @@ TEST_CASE("a field is not positive exactly where the scene's reference decides f
   const std::map<std::string, std::string> files{
       {"ball.lxn", cut_ball()},
       {"few.txt", "0.1 0 0\n-0.2 0.1 0\n"},
-      {"many.txt", "0.1 0 0\n-0.2 0.1 0\n0.3 0.3 0.3\n-0.3 -0.3 0.1\n0 0 0\n0.4 -0.4 0\n0.1 0.2 -0.4\n-0.4 0 0.4\n0 -0.3 0.3\n"},
+      {"many.txt",
+       "0.1 0 0\n-0.2 0.1 0\n0.3 0.3 0.3\n-0.3 -0.3 0.1\n0 0 0\n0.4 -0.4 0\n0.1 0.2 -0.4\n-0.4 0 0.4\n0 -0.3 0.3\n"},
       {"turns.txt", "0 0 0\n10 20 30\n0 90 0\n45 0 0\n5 5 5\n0 0 45\n1 2 3\n80 70 60\n33 0 0\n"}};
   const std::string sdfs[] = {
       function("return length(p) - 0.5;"),
-      function("return length(p) - 0.5;", "offset=\"0.2\" translate=\"0.1 0 0.2\" rotate=\"10 20 30\" scale=\"0.5 1 1.5\""),
+      function("return length(p) - 0.5;",
+               "offset=\"0.2\" translate=\"0.1 0 0.2\" rotate=\"10 20 30\" scale=\"0.5 1 1.5\""),
       function("return p.y - 0.3 * p.x;", "scale=\"0.4 0.5 0.6\" rotate=\"0 30 0\""),  // its box cuts it
       function("return length(p) - 1.2;", "type=\"seeding\" seedFile=\"few.txt\" scale=\"0.3 0.3 0.3\""),
-      function("return length(p) - 1.1;", "type=\"seeding\" seedFile=\"many.txt\" rotateFile=\"turns.txt\" scale=\"0.2 0.3 0.1\""),
+      function("return length(p) - 1.1;",
+               "type=\"seeding\" seedFile=\"many.txt\" rotateFile=\"turns.txt\" scale=\"0.2 0.3 0.1\""),
       function("return length(p) - 0.7;", "type=\"tiling\" scale=\"0.3 0.25 0.2\" rotate=\"0 0 20\""),
       function("return p.x < 0.0 ? 0.0 / p.z * 0.0 : -1.0;"),  // NaN on one side
       "<SDF name=\"F\" file=\"ball.lxn\"/>",
@@ -184,8 +187,8 @@ TEST_CASE("the moment counts, and any number of threads gives the same bytes") {
 }
 
 TEST_CASE("what is no finite number is counted, and written as a number beyond the cube") {
-  const compiler::Module module = module_of(
-      scene_of(function("return p.x > 0.0 ? log(-p.x * p.x) : p.y > 0.0 ? 1.0 / (p.x - p.x) : p.z > 0.0 ? -1.0 / (p.x - p.x) : p.x;")));
+  const compiler::Module module = module_of(scene_of(function(
+      "return p.x > 0.0 ? log(-p.x * p.x) : p.y > 0.0 ? 1.0 / (p.x - p.x) : p.z > 0.0 ? -1.0 / (p.x - p.x) : p.x;")));
   BakeReport report;
   const voml::Grid grid = bake(field_of(module), {.resolution = 16, .padding = 1.0}, &report);
   REQUIRE(grid.size == glm::uvec3(16));

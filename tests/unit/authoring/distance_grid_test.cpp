@@ -217,10 +217,11 @@ TEST_CASE("progress rises to the whole") {
   std::vector<std::size_t> told;
   GridReport report;
   std::size_t slices = 0;
-  const auto grid = authoring::distance_grid(sphere(2), {.resolution = 20}, report, [&](std::size_t done, std::size_t total) {
-    told.push_back(done);
-    slices = total;
-  });
+  const auto grid =
+      authoring::distance_grid(sphere(2), {.resolution = 20}, report, [&](std::size_t done, std::size_t total) {
+        told.push_back(done);
+        slices = total;
+      });
   REQUIRE(grid);
   REQUIRE(told.size() >= 1);
   CHECK(std::ranges::is_sorted(told));

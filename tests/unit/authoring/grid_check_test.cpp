@@ -30,7 +30,8 @@ TEST_CASE("the check of a box's grid: none at samples, half a voxel's corner at 
   CHECK(check.samples->points == 4000);
   CHECK(check.samples->greatest < 1.2e-7);
   CHECK(check.surface.points == 4000);
-  // Beside a face the distance is linear: only near edges does the interpolant differ, by less than their distance there.
+  // Beside a face the distance is linear: only near edges does the interpolant differ, by less than their distance
+  // there.
   CHECK(check.surface.greatest < 0.87 * check.voxel);
   CHECK(check.surface.greatest > 0.1 * check.voxel);
   CHECK(check.surface.root_mean_square < 0.3 * check.surface.greatest);
@@ -63,7 +64,8 @@ TEST_CASE("the check finds what was done to a grid") {
   CHECK(check.wrong_side.greatest > 0.015);
 
   // One sample far inside turned positive: between samples it shows around that sample alone.
-  const std::size_t middle = (std::size_t{grid.size.z / 2} * grid.size.y + grid.size.y / 2) * grid.size.x + grid.size.x / 2;
+  const std::size_t middle =
+      (std::size_t{grid.size.z / 2} * grid.size.y + grid.size.y / 2) * grid.size.x + grid.size.x / 2;
   grid.values[middle] = 1.0f;
   const GridCheck hole = check_grid(grid, mesh, report, 60000);
   CHECK(hole.between->greatest > 0.5);
@@ -72,7 +74,8 @@ TEST_CASE("the check finds what was done to a grid") {
 }
 
 TEST_CASE("walls inside a solid bound nothing") {
-  // A sphere whose centre is 0.9 from another's: of each, the cap of height 1 - 0.45 lies inside the other, 27.5 % of it.
+  // A sphere whose centre is 0.9 from another's: of each, the cap of height 1 - 0.45 lies inside the other, 27.5 % of
+  // it.
   const voml::Mesh mesh = joined(sphere(4), transformed(sphere(4), 1.0, dvec3(0.9, 0, 0)));
   GridReport report;
   const voml::Grid grid = grid_of(mesh, 32, report);
@@ -90,7 +93,8 @@ TEST_CASE("a field's own values: the surface's error is a length, whatever the f
   REQUIRE(baked.has_value());
   voml::Grid grid = *baked;
   const GridCheck honest = check_grid(grid, field, {.resolution = 48, .distance = false}, 2000);
-  // Trilinear interpolation of a distance whose second derivatives are 2 along two directions: h^2 / 8 * (2 + 2) at most.
+  // Trilinear interpolation of a distance whose second derivatives are 2 along two directions: h^2 / 8 * (2 + 2) at
+  // most.
   CHECK(honest.surface.points > 500);
   CHECK(honest.surface.greatest < 0.5 * honest.voxel * honest.voxel * 1.2);
   for (float& value : grid.values) value += 0.07f;
@@ -162,8 +166,8 @@ TEST_CASE(
   const voml::Grid finer = grid_of(mesh, enough, finer_report);
   CHECK(half_in(finer, finer_report, 0.0));
   CHECK(check_grid(finer, mesh, finer_report, 8000).boundary_lost <= 0.012);
-  // Voxels as thick as the plate, 1.105 * 1.4 / 0.01 = 155 of them, have a layer in it; a sixteenth of a voxel of it is needed
-  // to be seen, and the search stops within 3 % of the least.
+  // Voxels as thick as the plate, 1.105 * 1.4 / 0.01 = 155 of them, have a layer in it; a sixteenth of a voxel of it is
+  // needed to be seen, and the search stops within 3 % of the least.
   CHECK(enough <= 180);
 }
 

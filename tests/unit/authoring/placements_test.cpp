@@ -312,15 +312,17 @@ const std::string quarter_of_pdb =
     "REMARK 350   BIOMT3   1  0.000000  0.000000  1.000000        0.00000\n";
 
 std::string operators_of_cif(std::string_view expression) {
-  std::string text = "data_M\nloop_\n_atom_site.type_symbol\n_atom_site.label_asym_id\n_atom_site.Cartn_x\n"
-                     "_atom_site.Cartn_y\n_atom_site.Cartn_z\nC A 1 0 0\nO B 0 2 0\nloop_\n_pdbx_struct_oper_list.id\n";
+  std::string text =
+      "data_M\nloop_\n_atom_site.type_symbol\n_atom_site.label_asym_id\n_atom_site.Cartn_x\n"
+      "_atom_site.Cartn_y\n_atom_site.Cartn_z\nC A 1 0 0\nO B 0 2 0\nloop_\n_pdbx_struct_oper_list.id\n";
   for (int row = 1; row <= 3; ++row) {
     for (int column = 1; column <= 3; ++column)
       text += fmt::format("_pdbx_struct_oper_list.matrix[{}][{}]\n", row, column);
     text += fmt::format("_pdbx_struct_oper_list.vector[{}]\n", row);
   }
-  text += "1 1 0 0 0 0 1 0 0 0 0 1 0\n2 1 0 0 10 0 1 0 0 0 0 1 0\n3 1 0 0 20 0 1 0 0 0 0 1 0\n"
-          "P 0 -1 0 0 1 0 0 0 0 0 1 0\n";
+  text +=
+      "1 1 0 0 0 0 1 0 0 0 0 1 0\n2 1 0 0 10 0 1 0 0 0 0 1 0\n3 1 0 0 20 0 1 0 0 0 0 1 0\n"
+      "P 0 -1 0 0 1 0 0 0 0 0 1 0\n";
   return text + "_pdbx_struct_assembly_gen.assembly_id cell\n_pdbx_struct_assembly_gen.asym_id_list A,B\n" +
          fmt::format("_pdbx_struct_assembly_gen.oper_expression '{}'\n", expression);
 }
@@ -439,7 +441,8 @@ std::string placed_once(std::string_view members) {
 }  // namespace
 
 TEST_CASE("cellPACK: beads and placements, wherever ingredients stand") {
-  const std::string start = R"({"recipe":{"name":"n"},"compartments":{"in":{"interior":{"ingredients":{"A":{"results":)";
+  const std::string start =
+      R"({"recipe":{"name":"n"},"compartments":{"in":{"interior":{"ingredients":{"A":{"results":)";
   const std::string end = R"(},"none":{"results":[]}}}}}})";
   const std::string turned = "[[[10,0,0],[0.7071067811865476,0,0,0.7071067811865476]]]";  // x -> y
   const auto reading = read_packing(start + turned + R"(,"positions":[[[1,0,0]]],"radii":[[2]])" + end);

@@ -47,7 +47,8 @@ TEST_CASE("local_from_object inverts object_from_local, also for tiny and mirror
       const glm::dvec3 p = random.point();
       const glm::dvec3 back = compiler::local_from_object(transform)(compiler::object_from_local(transform)(p));
       check_near(back, p, 1e-13 + 1e-14 / magnitude);
-      const glm::dvec3 twice = compiler::inverse(compiler::object_from_local(transform))(compiler::object_from_local(transform)(p));
+      const glm::dvec3 twice =
+          compiler::inverse(compiler::object_from_local(transform))(compiler::object_from_local(transform)(p));
       check_near(twice, p, 1e-12 + 1e-14 / magnitude);
     }
   }

@@ -42,7 +42,8 @@ TEST_CASE("packed boxes never overlap and stay inside") {
       }
     }
     // Uniform random boxes: a packing that wastes more than half would be no packing.
-    const double fill = static_cast<double>(volume) / (double(packing->extent.x) * packing->extent.y * packing->extent.z);
+    const double fill =
+        static_cast<double>(volume) / (double(packing->extent.x) * packing->extent.y * packing->extent.z);
     CHECK(fill > 0.5);
   }
 }
@@ -63,7 +64,8 @@ TEST_CASE("boxes beyond the limit are refused") {
 
 TEST_CASE("each grid has a border that repeats its outer samples") {
   const auto value = [](glm::dvec3 p) { return p.x + 10 * p.y + 100 * p.z; };
-  const std::vector<voml::Grid> grids{tests::grid_of({3, 4, 5}, value), tests::grid_of({2, 2, 2}, [](glm::dvec3) { return -7.0; })};
+  const std::vector<voml::Grid> grids{tests::grid_of({3, 4, 5}, value),
+                                      tests::grid_of({2, 2, 2}, [](glm::dvec3) { return -7.0; })};
   Diagnostics diagnostics;
   const auto atlas = compiler::pack_atlas(grids, {}, 64, diagnostics);
   REQUIRE(atlas);

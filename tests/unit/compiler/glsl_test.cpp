@@ -70,7 +70,7 @@ TEST_CASE("what a scene does not need is not in its shader") {
   CHECK(program.buffers.empty());
   REQUIRE(program.textures.size() == 1);
   CHECK(program.textures[0].extent == glm::uvec3(26));  // 24 and a border, no power of two
-  CHECK_FALSE(has(pixels(program), "in_cube(q)"));       // the identity needs no box test
+  CHECK_FALSE(has(pixels(program), "in_cube(q)"));      // the identity needs no box test
 }
 
 TEST_CASE("specialised code loops over instances of one object instead of repeating it") {
@@ -144,7 +144,8 @@ TEST_CASE("a diamond of objects does not grow exponentially") {
   std::string text = "<MVV><OBJECT name='D0'><REGION name='R' type='color' rgb='1 0 0'/></OBJECT>";
   for (int i = 1; i <= 30; ++i) {
     text += fmt::format(
-        "<OBJECT name='D{0}'><REGION name='R' type='color' rgb='1 0 0'><EMBEDDED name='D{1}' scale='0.5 0.5 0.5'/></REGION>"
+        "<OBJECT name='D{0}'><REGION name='R' type='color' rgb='1 0 0'><EMBEDDED name='D{1}' scale='0.5 0.5 "
+        "0.5'/></REGION>"
         "<REGION name='Q' type='color' rgb='1 0 0'><EMBEDDED name='D{1}' scale='0.5 0.5 0.5'/></REGION><SDF name='S' "
         "file='p.lxn'/><MAPPINGS><SDF name='S'><POSITIVE region='R'/><NEGATIVE region='Q'/></SDF></MAPPINGS></OBJECT>",
         i, i - 1);
@@ -181,7 +182,8 @@ TEST_CASE("limits of the device are diagnostics that name them") {
   CHECK(buffers.all().at(0).code == Code::buffer_too_large);
 
   Diagnostics deep;
-  CHECK_FALSE(compiler::compile(tests::lowered(tests::chain_scene(300, 0.99), {{"ball.lxn", tests::sphere_lxn(2, 0.8)}}), {}, deep));
+  CHECK_FALSE(compiler::compile(
+      tests::lowered(tests::chain_scene(300, 0.99), {{"ball.lxn", tests::sphere_lxn(2, 0.8)}}), {}, deep));
   CHECK(deep.all().at(0).code == Code::embedding_too_deep);
 }
 
@@ -190,7 +192,8 @@ TEST_CASE("identical snippets are stitched once, whatever their names and spaces
       "<MVV><OBJECT name='A'><SDF name='S' function='true'>float r = 0.5; return length(p) - r;</SDF>"
       "<SDF name='T' scale='0.5 0.5 0.5' function='true'>float radius = 0.5;\n  return length(p) - radius;</SDF>"
       "<REGION name='X' type='color' rgb='1 0 0'/><REGION name='Y' type='color' rgb='1 0 0'/><MAPPINGS><SDF name='S'>"
-      "<POSITIVE region='X'/><NEGATIVE><SDF name='T'><POSITIVE region='X'/><NEGATIVE region='Y'/></SDF></NEGATIVE></SDF>"
+      "<POSITIVE region='X'/><NEGATIVE><SDF name='T'><POSITIVE region='X'/><NEGATIVE "
+      "region='Y'/></SDF></NEGATIVE></SDF>"
       "</MAPPINGS></OBJECT></MVV>");
   CHECK(module.functions.size() == 2);
   const auto program = tests::compiled(module);
@@ -220,7 +223,8 @@ TEST_CASE("a static scene has no time anywhere in its shader, a moving one reads
 TEST_CASE("a mistake in a snippet stops the lowering at its place") {
   Diagnostics diagnostics;
   auto scene = tests::read(
-      "<MVV><OBJECT name='A'>\n<SDF name='S' function='true'>return lenght(p) - 0.5;</SDF><REGION name='R' type='color' "
+      "<MVV><OBJECT name='A'>\n<SDF name='S' function='true'>return lenght(p) - 0.5;</SDF><REGION name='R' "
+      "type='color' "
       "rgb='1 0 0'/></OBJECT></MVV>");
   CHECK_FALSE(compiler::lower(std::move(scene), diagnostics));
   REQUIRE(diagnostics.all().size() == 1);
@@ -229,9 +233,11 @@ TEST_CASE("a mistake in a snippet stops the lowering at its place") {
 
 TEST_CASE("seeds that only scale and move are stored and applied as such") {
   const auto scene = [](const std::string& rotate) {
-    return tests::lowered("<MVV><OBJECT name='A'><SDF name='S' function='true' type='seeding' seedFile='s.txt' rotate='" + rotate +
-                              "' scale='0.1 0.1 0.1'>return length(p) - 0.5;</SDF><REGION name='R' type='color' rgb='1 0 0'/></OBJECT></MVV>",
-                          {{"s.txt", "0 0 0\n0.5 0 0\n0 0.5 0\n"}});
+    return tests::lowered(
+        "<MVV><OBJECT name='A'><SDF name='S' function='true' type='seeding' seedFile='s.txt' rotate='" + rotate +
+            "' scale='0.1 0.1 0.1'>return length(p) - 0.5;</SDF><REGION name='R' type='color' rgb='1 0 "
+            "0'/></OBJECT></MVV>",
+        {{"s.txt", "0 0 0\n0.5 0 0\n0 0.5 0\n"}});
   };
   const auto plain = tests::compiled(scene("0 0 0"));
   CHECK(has(pixels(plain), "vec3 q = p * scaling.w + scaling.xyz;"));
@@ -246,11 +252,14 @@ TEST_CASE("objects of a group that differ in numbers share a function; with the 
   std::string text = "<MVV>";
   for (const char* radius : {"0.5", "0.7", "0.9"}) {
     text += fmt::format(
-        "<OBJECT name='BALL{0}'><SDF name='S' function='true'>return length(p) - {0};</SDF><REGION name='IN' type='color' "
-        "rgb='1 0 0'/></OBJECT>", radius);
+        "<OBJECT name='BALL{0}'><SDF name='S' function='true'>return length(p) - {0};</SDF><REGION name='IN' "
+        "type='color' "
+        "rgb='1 0 0'/></OBJECT>",
+        radius);
   }
   text += "<OBJECT name='ROOT'><REGION name='R' type='empty'>";
-  for (const char* radius : {"0.5", "0.7", "0.9"}) text += fmt::format("<EMBEDDED name='BALL{}' scale='0.5 0.5 0.5'/>", radius);
+  for (const char* radius : {"0.5", "0.7", "0.9"})
+    text += fmt::format("<EMBEDDED name='BALL{}' scale='0.5 0.5 0.5'/>", radius);
   const auto module = tests::lowered(text + "</REGION><MAPPINGS><REGION name='R'/></MAPPINGS></OBJECT></MVV>");
   const auto united = tests::compiled(module);
   CHECK(has(pixels(united), "_united(row, q, level + 1u, true);"));

@@ -76,7 +76,8 @@ TEST_CASE("the records of all objects are the buffers of the program, in every f
       const Inventory inventory = inventory_of(scene_module(), options);
       std::uint64_t records = 0, uploaded = 0;
       for (const ObjectInventory& o : inventory.objects) records += o.record_bytes;
-      for (const Buffer& b : inventory.program.buffers) uploaded += b.name == "time_values" || b.name == "parameters" ? 0 : b.bytes.size();
+      for (const Buffer& b : inventory.program.buffers)
+        uploaded += b.name == "time_values" || b.name == "parameters" ? 0 : b.bytes.size();
       CHECK(records == uploaded);
       CHECK(records > 0);
     }

@@ -79,7 +79,8 @@ Module rich_module() {
     const glm::dvec3 p = random.point(-0.5, 0.5);
     seeds += fmt::format("{} {} {}\n", p.x, p.y, p.z);
   }
-  return tests::lowered(rich_text, {{"sphere.lxn", tests::sphere_lxn(16, 0.7)}, {"plane.lxn", tests::plane_lxn()}, {"seeds.txt", seeds}});
+  return tests::lowered(
+      rich_text, {{"sphere.lxn", tests::sphere_lxn(16, 0.7)}, {"plane.lxn", tests::plane_lxn()}, {"seeds.txt", seeds}});
 }
 
 }  // namespace
@@ -108,7 +109,8 @@ TEST_CASE("the range of a grid over a box holds its values, and over few voxels 
     CHECK(found.lo <= least + 1e-12);
     CHECK(found.hi >= most - 1e-12);
     // Within one voxel a trilinear function has its extremes at the corners.
-    if (glm::floor(glm::clamp(a, glm::dvec3(0.0), glm::dvec3(7, 4, 5))) == glm::floor(glm::clamp(b, glm::dvec3(0.0), glm::dvec3(7, 4, 5)))) {
+    if (glm::floor(glm::clamp(a, glm::dvec3(0.0), glm::dvec3(7, 4, 5))) ==
+        glm::floor(glm::clamp(b, glm::dvec3(0.0), glm::dvec3(7, 4, 5)))) {
       CHECK(found.lo == doctest::Approx(least).epsilon(1e-12));
       CHECK(found.hi == doctest::Approx(most).epsilon(1e-12));
     }
@@ -120,7 +122,8 @@ TEST_CASE("a box on one side of a boundary is decided, one that it crosses is op
   CHECK(name(*judge, verdict(*judge, {-0.2, -0.2, -0.2}, {0.2, 0.2, 0.2})) == "IN");
   CHECK(name(*judge, verdict(*judge, {0.6, 0.0, 0.0}, {0.7, 0.1, 0.1})) == "OUT");
   CHECK(name(*judge, verdict(*judge, {0.4, 0.0, 0.0}, {0.6, 0.1, 0.1})) == "open");
-  CHECK(name(*judge, verdict(*judge, {0.5, 0.0, 0.0}, {0.5, 0.0, 0.0})) == "open");  // float32 may put it on either side
+  CHECK(name(*judge, verdict(*judge, {0.5, 0.0, 0.0}, {0.5, 0.0, 0.0})) ==
+        "open");  // float32 may put it on either side
   CHECK(name(*judge, verdict(*judge, {0.4999, 0.0, 0.0}, {0.4999, 0.0, 0.0})) == "IN");
 }
 
@@ -171,7 +174,8 @@ TEST_CASE("in decided cells the reference says the same at every point, at every
     int decided = 0, still = 0, wrong = 0;
     for (int i = 0; i < 6000; ++i) {
       // Half of them near the points at which the trees are fine.
-      const glm::dvec3 p(glm::vec3(i % 2 == 0 ? random.point() : glm::clamp(points[random.below(400)] + random.point(-0.01, 0.01), -1.0, 1.0)));
+      const glm::dvec3 p(glm::vec3(
+          i % 2 == 0 ? random.point() : glm::clamp(points[random.below(400)] + random.point(-0.01, 0.01), -1.0, 1.0)));
       for (const double time_ms : {0.0, 1000.0, 1234.5, 1400.0, 3.6e6}) {
         const ReferenceAnswer expected = reference.evaluate(p, time_ms);
         if (!expected.certain) continue;

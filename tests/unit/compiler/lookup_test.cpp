@@ -1,10 +1,10 @@
-#include "compiler/ir/placements.h"
 #include "compiler/layout/lookup.h"
-#include "tests/support/scenes.h"
-#include <algorithm>
 #include <doctest/doctest.h>
+#include <algorithm>
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
+#include "compiler/ir/placements.h"
+#include "tests/support/scenes.h"
 
 using namespace dmvv;
 

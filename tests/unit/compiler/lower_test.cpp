@@ -10,7 +10,8 @@ TEST_CASE("objects stand before those they embed, what the root does not reach i
   const auto module = lowered(
       "<MVV><OBJECT name='UNUSED'><REGION name='R' type='color' rgb='1 1 1'/></OBJECT>"
       "<OBJECT name='B'><REGION name='R' type='color' rgb='1 0 0'/></OBJECT>"
-      "<OBJECT name='A'><REGION name='R' type='color' rgb='0 1 0'><EMBEDDED name='B' scale='0.5 0.5 0.5'/></REGION></OBJECT></MVV>");
+      "<OBJECT name='A'><REGION name='R' type='color' rgb='0 1 0'><EMBEDDED name='B' scale='0.5 0.5 "
+      "0.5'/></REGION></OBJECT></MVV>");
   REQUIRE(module.objects.size() == 2);
   CHECK(module.objects[0].name == "A");
   CHECK(module.objects[1].name == "B");
@@ -22,7 +23,8 @@ TEST_CASE("region numbers follow the document, empty regions have none") {
   const auto module = lowered(
       "<MVV><OBJECT name='A'><SDF name='S' file='p.lxn'/><REGION name='Z' type='color' rgb='1 0 0'/>"
       "<REGION name='NOT_USED' type='color' rgb='1 0 0'/><REGION name='E' type='empty'/>"
-      "<REGION name='Y' type='color' rgb='1 0 0'/><MAPPINGS><SDF name='S'><POSITIVE><SDF name='S'><POSITIVE region='E'/>"
+      "<REGION name='Y' type='color' rgb='1 0 0'/><MAPPINGS><SDF name='S'><POSITIVE><SDF name='S'><POSITIVE "
+      "region='E'/>"
       "<NEGATIVE region='Y'/></SDF></POSITIVE><NEGATIVE region='Z'/></SDF></MAPPINGS></OBJECT></MVV>",
       {{"p.lxn", tests::plane_lxn()}});
   std::map<std::string, std::uint32_t> numbers;
@@ -62,11 +64,12 @@ TEST_CASE("placements that float32 cannot follow") {
     return diagnostics.render();
   };
   const auto chain = [](const char* outer, const char* inner) {
-    return fmt::format("<MVV><OBJECT name='C'><REGION name='R' type='color' rgb='1 0 0'/></OBJECT><OBJECT name='B'><REGION "
-                       "name='R' type='color' rgb='1 0 0'><EMBEDDED name='C' scale='{0}'/></REGION></OBJECT><OBJECT name='A'>"
-                       "<REGION name='R' type='color' rgb='0 1 0'><EMBEDDED name='B' translate='0.5 0 0' scale='{1}'/></REGION>"
-                       "</OBJECT></MVV>",
-                       inner, outer);
+    return fmt::format(
+        "<MVV><OBJECT name='C'><REGION name='R' type='color' rgb='1 0 0'/></OBJECT><OBJECT name='B'><REGION "
+        "name='R' type='color' rgb='1 0 0'><EMBEDDED name='C' scale='{0}'/></REGION></OBJECT><OBJECT name='A'>"
+        "<REGION name='R' type='color' rgb='0 1 0'><EMBEDDED name='B' translate='0.5 0 0' scale='{1}'/></REGION>"
+        "</OBJECT></MVV>",
+        inner, outer);
   };
   CHECK(lower(chain("0.1 0.1 0.1", "0.1 0.1 0.1")) == "");
   // 6u (1 + 1) / s a level: the inner frame's error passes 2 / 1024 between s = 1e-3 and 1e-4.
@@ -82,8 +85,10 @@ TEST_CASE("placements that float32 cannot follow") {
 
 TEST_CASE("snippets that the root does not reach are compiled when asked for, each once") {
   const std::string text =
-      "<MVV><OBJECT name='B'><SDF name='S' function='true'>return nonsense;</SDF><REGION name='R' type='empty'/></OBJECT>"
-      "<OBJECT name='A'><SDF name='S' function='true'>return sqrt(p.x);</SDF><REGION name='R' type='empty'/></OBJECT></MVV>";
+      "<MVV><OBJECT name='B'><SDF name='S' function='true'>return nonsense;</SDF><REGION name='R' "
+      "type='empty'/></OBJECT>"
+      "<OBJECT name='A'><SDF name='S' function='true'>return sqrt(p.x);</SDF><REGION name='R' "
+      "type='empty'/></OBJECT></MVV>";
   for (const bool everything : {false, true}) {
     Diagnostics diagnostics;
     auto scene = voml::read_scene("s.voml", memory_files({{"s.voml", text}}), {}, diagnostics);

@@ -11,7 +11,8 @@ TEST_CASE("merge-assets keeps one of two equal grids") {
   auto module = tests::lowered(
       "<MVV><OBJECT name='A'><SDF name='S' file='a.lxn'/><SDF name='T' file='b.lxn' scale='0.5 0.5 0.5'/>"
       "<REGION name='X' type='color' rgb='1 0 0'/><REGION name='Y' type='color' rgb='1 0 0'/><MAPPINGS><SDF name='S'>"
-      "<POSITIVE region='X'/><NEGATIVE><SDF name='T'><POSITIVE region='X'/><NEGATIVE region='Y'/></SDF></NEGATIVE></SDF>"
+      "<POSITIVE region='X'/><NEGATIVE><SDF name='T'><POSITIVE region='X'/><NEGATIVE "
+      "region='Y'/></SDF></NEGATIVE></SDF>"
       "</MAPPINGS></OBJECT></MVV>",
       {{"a.lxn", tests::sphere_lxn(8, 0.8)}, {"b.lxn", tests::sphere_lxn(8, 0.8)}});
   REQUIRE(module.grids.size() == 2);
@@ -26,7 +27,8 @@ TEST_CASE("prune-sides removes a decision between equal sides, drop-unreachable 
   auto module = tests::lowered(
       "<MVV><OBJECT name='A'><SDF name='S' file='a.lxn'/><SDF name='T' file='b.lxn'/>"
       "<REGION name='X' type='color' rgb='1 0 0'/><REGION name='Y' type='color' rgb='1 0 0'/><MAPPINGS><SDF name='S'>"
-      "<POSITIVE><SDF name='T'><POSITIVE region='X'/><NEGATIVE region='X'/></SDF></POSITIVE><NEGATIVE region='Y'/></SDF>"
+      "<POSITIVE><SDF name='T'><POSITIVE region='X'/><NEGATIVE region='X'/></SDF></POSITIVE><NEGATIVE "
+      "region='Y'/></SDF>"
       "</MAPPINGS></OBJECT></MVV>",
       {{"a.lxn", tests::sphere_lxn(8, 0.8)}, {"b.lxn", tests::sphere_lxn(4, 0.3)}});
   CHECK(module.nodes.size() == 5);

@@ -1,9 +1,9 @@
+#include "compiler/reference/reference.h"
+#include <doctest/doctest.h>
+#include <cmath>
 #include "compiler/grids/sample.h"
 #include "compiler/ir/legend.h"
-#include "compiler/reference/reference.h"
 #include "tests/support/scene_table.h"
-#include <cmath>
-#include <doctest/doctest.h>
 
 using namespace dmvv;
 
@@ -29,7 +29,8 @@ TEST_CASE("trilinear sampling is cell-centred, exact for linear functions, clamp
 TEST_CASE("the boundary belongs to the negative side, the closed cube to the object") {
   const auto module = tests::lowered(
       "<MVV><OBJECT name='A'><SDF name='S' file='p.lxn'/><REGION name='IN' type='color' rgb='1 0 0'/>"
-      "<REGION name='OUT' type='color' rgb='0 0 1'/><MAPPINGS><SDF name='S'><POSITIVE region='OUT'/><NEGATIVE region='IN'/>"
+      "<REGION name='OUT' type='color' rgb='0 0 1'/><MAPPINGS><SDF name='S'><POSITIVE region='OUT'/><NEGATIVE "
+      "region='IN'/>"
       "</SDF></MAPPINGS></OBJECT></MVV>",
       {{"p.lxn", tests::plane_lxn()}});
   CHECK(path_at(module, {0, 0.3, 0}) == "A:IN");
@@ -43,10 +44,13 @@ TEST_CASE("the boundary belongs to the negative side, the closed cube to the obj
 
 TEST_CASE("outside its cube or box a distance function is positive") {
   const auto module = tests::lowered(
-      "<MVV><OBJECT name='A'><SDF name='S' file='deep.lxn' scale='0.5 0.5 0.5'/><REGION name='IN' type='color' rgb='1 0 0'/>"
-      "<REGION name='OUT' type='color' rgb='0 0 1'/><MAPPINGS><SDF name='S'><POSITIVE region='OUT'/><NEGATIVE region='IN'/>"
+      "<MVV><OBJECT name='A'><SDF name='S' file='deep.lxn' scale='0.5 0.5 0.5'/><REGION name='IN' type='color' rgb='1 "
+      "0 0'/>"
+      "<REGION name='OUT' type='color' rgb='0 0 1'/><MAPPINGS><SDF name='S'><POSITIVE region='OUT'/><NEGATIVE "
+      "region='IN'/>"
       "</SDF></MAPPINGS></OBJECT></MVV>",
-      {{"deep.lxn", voml::write_lxn(tests::grid_of({2, 2, 2}, [](glm::dvec3) { return -1.0; }, {-0.5, -1, -1}, {1, 1, 1}))}});
+      {{"deep.lxn",
+        voml::write_lxn(tests::grid_of({2, 2, 2}, [](glm::dvec3) { return -1.0; }, {-0.5, -1, -1}, {1, 1, 1}))}});
   CHECK(path_at(module, {0.49, 0.49, -0.49}) == "A:IN");
   CHECK(path_at(module, {0.51, 0, 0}) == "A:OUT");
   CHECK(path_at(module, {-0.24, 0, 0}) == "A:IN");
@@ -55,12 +59,14 @@ TEST_CASE("outside its cube or box a distance function is positive") {
 
 TEST_CASE("embedding: first answer in document order wins, an empty one passes on, paths count candidates") {
   const std::string objects =
-      "<MVV><OBJECT name='HALF'><SDF name='S' file='p.lxn'/><REGION name='IN' type='color' rgb='1 0 0'/><REGION name='OUT' "
+      "<MVV><OBJECT name='HALF'><SDF name='S' file='p.lxn'/><REGION name='IN' type='color' rgb='1 0 0'/><REGION "
+      "name='OUT' "
       "type='empty'/><MAPPINGS><SDF name='S'><POSITIVE region='OUT'/><NEGATIVE region='IN'/></SDF></MAPPINGS></OBJECT>"
       "<OBJECT name='BOX'><REGION name='B' type='color' rgb='0 1 0'/></OBJECT>";
   const auto module = tests::lowered(
-      objects + "<OBJECT name='ROOT'><REGION name='R' type='color' rgb='0 0 1'><EMBEDDED name='HALF' scale='0.5 0.5 0.5'/>"
-                "<EMBEDDED name='BOX' translate='0.5 0 0' scale='0.5 0.25 0.25'/></REGION></OBJECT></MVV>",
+      objects +
+          "<OBJECT name='ROOT'><REGION name='R' type='color' rgb='0 0 1'><EMBEDDED name='HALF' scale='0.5 0.5 0.5'/>"
+          "<EMBEDDED name='BOX' translate='0.5 0 0' scale='0.5 0.25 0.25'/></REGION></OBJECT></MVV>",
       {{"p.lxn", tests::plane_lxn()}});
   CHECK(path_at(module, {-0.2, 0.1, 0}) == "ROOT:R[0]/HALF:IN");
   CHECK(path_at(module, {0.2, 0.1, 0}) == "ROOT:R[1]/BOX:B");
@@ -104,7 +110,8 @@ TEST_CASE("bitmaps: rows from the bottom, wrapped, trilinear between texel centr
   CHECK(reference.evaluate({0.5, -0.5, -0.5}).rgba == glm::dvec4(1, 0, 0, 1));
   CHECK(reference.evaluate({-0.5, 0.5, 0.5}).rgba == glm::dvec4(0, 1, 1, 1));
   CHECK(reference.evaluate({0, -0.5, -0.5}).rgba.r == doctest::Approx(0.5));
-  CHECK(reference.evaluate({0.75, -0.5, -0.5}).rgba.r == doctest::Approx(0.75));  // half-way round the border to texel 0
+  CHECK(reference.evaluate({0.75, -0.5, -0.5}).rgba.r ==
+        doctest::Approx(0.75));  // half-way round the border to texel 0
   CHECK(reference.evaluate({1, -0.5, -0.5}).rgba.r == doctest::Approx(0.5));
 }
 
@@ -116,8 +123,10 @@ TEST_CASE("a colour is certain only where rounding a point to float32 cannot cha
     bitmap.n = 2;
     for (int i = 0; i < 8; ++i) bitmap.texels.emplace_back(stripes ? i % 2 * 255 : 255, 0, 0, 255);
     compiler::Module module = tests::lowered(fmt::format(
-        "<MVV><OBJECT name='A'><REGION name='R' type='color' rgb='1 0 0'/></OBJECT><OBJECT name='ROOT'><REGION name='R' "
-        "type='color' rgb='0 0 1'><EMBEDDED name='A' translate='0.9 0 0' scale='{0} {0} {0}'/></REGION></OBJECT></MVV>", s));
+        "<MVV><OBJECT name='A'><REGION name='R' type='color' rgb='1 0 0'/></OBJECT><OBJECT name='ROOT'><REGION "
+        "name='R' "
+        "type='color' rgb='0 0 1'><EMBEDDED name='A' translate='0.9 0 0' scale='{0} {0} {0}'/></REGION></OBJECT></MVV>",
+        s));
     module.bitmaps.push_back(bitmap);
     for (compiler::Region& region : module.regions) {
       if (region.rgb.r != 1.0) continue;

@@ -1,14 +1,14 @@
 // The bounds of spec/accuracy.md against float32 arithmetic, operation by operation as the shaders do it: how much of a
 // bound the worst of many random cases takes. More than all of it is an error; hardly any, and the bound says little.
-#include "compiler/grids/sample.h"
 #include "compiler/ir/rounding.h"
-#include "compiler/reference/reference.h"
-#include "tests/support/scenes.h"
-#include <algorithm>
-#include <cmath>
 #include <doctest/doctest.h>
 #include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
 #include <glm/gtc/type_precision.hpp>
+#include "compiler/grids/sample.h"
+#include "compiler/reference/reference.h"
+#include "tests/support/scenes.h"
 
 using namespace dmvv;
 using compiler::Affine;
@@ -39,7 +39,8 @@ voml::Transform random_transform(tests::Random& random, double smallest) {
 double worst_of(const glm::dvec3& ratio) { return std::max({ratio.x, ratio.y, ratio.z}); }
 
 /// A linear filter with exact weights, in float32: a texture of `extent` texels that holds the grid from `slot` on.
-float fetch_float(const voml::Grid& grid, const glm::vec3& coordinate, const glm::dvec3& slot, const glm::dvec3& extent) {
+float fetch_float(const voml::Grid& grid, const glm::vec3& coordinate, const glm::dvec3& slot,
+                  const glm::dvec3& extent) {
   glm::uvec3 lo, hi;
   glm::vec3 w;
   for (int axis = 0; axis < 3; ++axis) {
@@ -63,14 +64,16 @@ float fetch_float(const voml::Grid& grid, const glm::vec3& coordinate, const glm
 }
 
 compiler::Module one_grid(const voml::Grid& grid) {
-  return tests::lowered("<MVV><OBJECT name='A'><SDF name='S' file='g.lxn'/><REGION name='IN' type='color' rgb='1 0 0'/>"
-                        "</OBJECT></MVV>",
-                        {{"g.lxn", voml::write_lxn(grid)}});
+  return tests::lowered(
+      "<MVV><OBJECT name='A'><SDF name='S' file='g.lxn'/><REGION name='IN' type='color' rgb='1 0 0'/>"
+      "</OBJECT></MVV>",
+      {{"g.lxn", voml::write_lxn(grid)}});
 }
 
 /// The bound that the reference uses at p: the least distance of the value from iso at which it is certain. Found by
 /// moving iso; nothing but the grid's decision depends on it.
-double decision_bound(compiler::Module& module, const compiler::Reference& reference, const glm::dvec3& p, double value) {
+double decision_bound(compiler::Module& module, const compiler::Reference& reference, const glm::dvec3& p,
+                      double value) {
   double lo = 0.0, hi = 1e-9;
   const auto certain = [&](double apart) {
     module.sdfs[0].iso = value + apart;
@@ -139,9 +142,8 @@ TEST_CASE("rounding: a trilinear fetch, and the decision on it") {
     const auto length = [&] { return 2u + static_cast<std::uint32_t>(random.uniform() * 40.0); };
     const std::uint32_t nx = length(), ny = length();
     const double size = std::pow(10.0, random.in(-3, 3)), rough = random.uniform();
-    voml::Grid grid = tests::grid_of({nx, ny, length()}, [&](glm::dvec3 p) {
-      return size * (glm::length(p) - 0.7 + rough * random.in(-1.0, 1.0));
-    });
+    voml::Grid grid = tests::grid_of(
+        {nx, ny, length()}, [&](glm::dvec3 p) { return size * (glm::length(p) - 0.7 + rough * random.in(-1.0, 1.0)); });
     compiler::Module module = one_grid(grid);
     const compiler::Reference reference(module);
     // Somewhere in a full atlas; the compiler's own slot is at its beginning, where coordinates are finest.
@@ -172,7 +174,8 @@ TEST_CASE("rounding: wrapping into a cube of a tiling") {
     const double q = random.in(-1.0, 1.0) * std::pow(10.0, random.in(0.0, 5.0));
     const float f = static_cast<float>(q);
     const float turns = (f + 1.0f) * 0.5f, whole = 2.0f * std::floor(turns);
-    const double exact = q - 2.0 * std::floor((q + 1.0) * 0.5), error = std::abs(static_cast<double>(f - whole) - exact);
+    const double exact = q - 2.0 * std::floor((q + 1.0) * 0.5),
+                 error = std::abs(static_cast<double>(f - whole) - exact);
     const double bound = compiler::float_unit * std::abs(q) + 4.0 * compiler::float_unit * (std::abs(q) + 1.0);
     const double to_seam = std::abs((q + 1.0) * 0.5 - std::round((q + 1.0) * 0.5)) * 2.0;
     if (to_seam > bound) worst = std::max(worst, error / bound);

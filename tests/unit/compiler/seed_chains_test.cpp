@@ -19,19 +19,23 @@ const tests::Files files{{"ball.lxn", tests::sphere_lxn(8, 0.8)},
                          {"q.txt", "0 0.5 0\n"}};
 
 std::string seeded(const std::string& name, const std::string& file = "ball.lxn", const std::string& more = {}) {
-  return fmt::format("<SDF name='{}' type='seeding' file='{}' seedFile='{}' {}/>", name, file, name < "C" ? "p.txt" : "q.txt", more);
+  return fmt::format("<SDF name='{}' type='seeding' file='{}' seedFile='{}' {}/>", name, file,
+                     name < "C" ? "p.txt" : "q.txt", more);
 }
 
-std::string decision(const std::string& sdf, const std::string& positive, const std::string& negative = "<REGION name='IN'/>") {
+std::string decision(const std::string& sdf, const std::string& positive,
+                     const std::string& negative = "<REGION name='IN'/>") {
   return fmt::format("<SDF name='{}'><POSITIVE>{}</POSITIVE><NEGATIVE>{}</NEGATIVE></SDF>", sdf, positive, negative);
 }
 
 /// The chains by the names of their SDFs: "A B C; D E".
 std::string chains_of(const std::string& sdfs, const std::string& tree) {
-  const Module module = tests::lowered("<MVV><OBJECT name='O'>" + sdfs +
-                                           "<REGION name='IN' type='color' rgb='1 0 0'/><REGION name='OUT' type='color' rgb='0 0 1'/>"
-                                           "<MAPPINGS name='O'>" + tree + "</MAPPINGS></OBJECT></MVV>",
-                                       files);
+  const Module module =
+      tests::lowered("<MVV><OBJECT name='O'>" + sdfs +
+                         "<REGION name='IN' type='color' rgb='1 0 0'/><REGION name='OUT' type='color' rgb='0 0 1'/>"
+                         "<MAPPINGS name='O'>" +
+                         tree + "</MAPPINGS></OBJECT></MVV>",
+                     files);
   std::string text;
   for (const SeedChain& chain : find_seed_chains(module)) {
     if (!text.empty()) text += "; ";
@@ -54,7 +58,9 @@ TEST_CASE("seeds of one source along the positive sides are a chain") {
 
 TEST_CASE("what differs ends a chain") {
   const std::string tree = decision("A", decision("B", decision("C", decision("D", out))));
-  const auto with_c = [&](const std::string& c) { return chains_of(seeded("A") + seeded("B") + c + seeded("D"), tree); };
+  const auto with_c = [&](const std::string& c) {
+    return chains_of(seeded("A") + seeded("B") + c + seeded("D"), tree);
+  };
   CHECK(with_c(seeded("C")) == "A B C D");
   CHECK(with_c(seeded("C", "ball2.lxn")) == "A B");
   CHECK(with_c(seeded("C", "ball.lxn", "offset='0.1'")) == "A B");

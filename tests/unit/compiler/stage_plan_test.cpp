@@ -32,7 +32,9 @@ const char* const body_text = R"(<MVV>
       <EMBEDDED name="BODY"/></REGION>
     <MAPPINGS><REGION name="ALL"/></MAPPINGS></OBJECT></MVV>)";
 
-compiler::Module body() { return tests::lowered(body_text, {{"seeds.txt", "0.3 0.2 0\n0.2 -0.3 0.1\n0.4 0 0.4\n-0.1 0.1 0.2\n"}}); }
+compiler::Module body() {
+  return tests::lowered(body_text, {{"seeds.txt", "0.3 0.2 0\n0.2 -0.3 0.1\n0.4 0 0.4\n-0.1 0.1 0.2\n"}});
+}
 
 compiler::CodePlan plan(const compiler::Module& module) {
   compiler::SourceSizes sizes;
@@ -54,7 +56,8 @@ TEST_CASE("a stage begins before a list of the root's one region, and with each 
   const auto module = body();
   const compiler::StagePlan stages = compiler::plan_stages(module, plan(module), everything);
   std::set<std::string> begins;
-  for (const auto& [begin, number] : stages.numbers) begins.insert(fmt::format("{} {}", names(module, begin.first), begin.second));
+  for (const auto& [begin, number] : stages.numbers)
+    begins.insert(fmt::format("{} {}", names(module, begin.first), begin.second));
   CHECK(begins == std::set<std::string>{"ALL 0", "ALL/SHELL 0", "ALL/CORE 0"});
 }
 
@@ -76,9 +79,12 @@ TEST_CASE("stages are numbered from 1, a way's own before those further down it"
 TEST_CASE("small programs, small lists and what is walked are not divided") {
   const auto module = body();
   const compiler::CodePlan code = plan(module);
-  CHECK(compiler::plan_stages(module, code, {.least_program_lines = code.inlined_lines + 1, .least_lines = 1}).numbers.empty());
-  CHECK_FALSE(compiler::plan_stages(module, code, {.least_program_lines = code.inlined_lines, .least_lines = 1}).numbers.empty());
-  CHECK(compiler::plan_stages(module, code, {.least_program_lines = 0, .least_lines = code.inlined_lines}).numbers.empty());
+  CHECK(compiler::plan_stages(module, code, {.least_program_lines = code.inlined_lines + 1, .least_lines = 1})
+            .numbers.empty());
+  CHECK_FALSE(compiler::plan_stages(module, code, {.least_program_lines = code.inlined_lines, .least_lines = 1})
+                  .numbers.empty());
+  CHECK(compiler::plan_stages(module, code, {.least_program_lines = 0, .least_lines = code.inlined_lines})
+            .numbers.empty());
   compiler::CodePlan walked = code;
   walked.cut.assign(walked.cut.size(), true);
   CHECK(compiler::plan_stages(module, walked, everything).numbers.empty());
@@ -88,23 +94,29 @@ TEST_CASE("of more regions than there can be stages, those of most code have one
   std::string regions, mappings, closing;
   for (int i = 0; i < 24; ++i) {
     const std::string cell = i < 8 ? "LARGE" : "SMALL";
-    regions += fmt::format("<SDF name='S{0}' function='true'>return p.x - {1};</SDF><REGION name='R{0}' type='empty'><EMBEDDED name='{2}' "
-                           "type='seeding' seedFile='seeds.txt' scale='0.2 0.2 0.2'/></REGION>", i, 0.9 - 0.07 * i, cell);
+    regions += fmt::format(
+        "<SDF name='S{0}' function='true'>return p.x - {1};</SDF><REGION name='R{0}' type='empty'><EMBEDDED name='{2}' "
+        "type='seeding' seedFile='seeds.txt' scale='0.2 0.2 0.2'/></REGION>",
+        i, 0.9 - 0.07 * i, cell);
     mappings += fmt::format("<SDF name='S{0}'><POSITIVE region='R{0}'/><NEGATIVE>", i);
     closing += "</NEGATIVE></SDF>";
   }
   const auto cell = [](const char* name, int decisions) {
     std::string text = fmt::format("<OBJECT name='{}'>", name), tree, end;
     for (int i = 0; i < decisions; ++i) {
-      text += fmt::format("<SDF name='S{0}' function='true'>return length(p) - {1};</SDF><REGION name='R{0}' type='color' rgb='1 0 0'/>", i, 0.9 - 0.1 * i);
+      text += fmt::format(
+          "<SDF name='S{0}' function='true'>return length(p) - {1};</SDF><REGION name='R{0}' type='color' rgb='1 0 "
+          "0'/>",
+          i, 0.9 - 0.1 * i);
       tree += fmt::format("<SDF name='S{0}'><POSITIVE region='R{0}'/><NEGATIVE>", i);
       end += "</NEGATIVE></SDF>";
     }
-    return text + "<REGION name='LAST' type='empty'/><MAPPINGS>" + tree + "<REGION name='LAST'/>" + end + "</MAPPINGS></OBJECT>";
+    return text + "<REGION name='LAST' type='empty'/><MAPPINGS>" + tree + "<REGION name='LAST'/>" + end +
+           "</MAPPINGS></OBJECT>";
   };
   const auto module = tests::lowered("<MVV>" + cell("LARGE", 7) + cell("SMALL", 2) + "<OBJECT name='ROOT'>" + regions +
-                                         "<REGION name='REST' type='empty'/><MAPPINGS>" + mappings + "<REGION name='REST'/>" + closing +
-                                         "</MAPPINGS></OBJECT></MVV>",
+                                         "<REGION name='REST' type='empty'/><MAPPINGS>" + mappings +
+                                         "<REGION name='REST'/>" + closing + "</MAPPINGS></OBJECT></MVV>",
                                      {{"seeds.txt", "0.3 0.2 0\n-0.3 0.1 0\n"}});
   const compiler::StagePlan stages = compiler::plan_stages(module, plan(module), everything);
   std::set<std::string> begins;

@@ -1,10 +1,10 @@
-#include "compiler/grids/sample.h"
 #include "compiler/grids/texels.h"
-#include "compiler/reference/reference.h"
-#include "tests/support/scene_table.h"
+#include <doctest/doctest.h>
 #include <cmath>
 #include <cstring>
-#include <doctest/doctest.h>
+#include "compiler/grids/sample.h"
+#include "compiler/reference/reference.h"
+#include "tests/support/scene_table.h"
 
 using namespace dmvv;
 using compiler::Filter;
@@ -38,7 +38,8 @@ TEST_CASE("a normalised format spans what a boundary can need: the slopes, and t
   const auto plane = [](glm::dvec3 p) { return p.x - p.y + 2.0 * p.z + 7.0; };
   const auto grid = tests::grid_of({8, 4, 16}, plane);
   const double slopes = 0.25 + 0.5 + 2.0 * 0.125;
-  CHECK(compiler::texel_scales(with_isos(grid, {0.0}), TexelFormat::snorm16, Filter::shader)[0] == doctest::Approx(slopes));
+  CHECK(compiler::texel_scales(with_isos(grid, {0.0}), TexelFormat::snorm16, Filter::shader)[0] ==
+        doctest::Approx(slopes));
   CHECK(compiler::texel_scales(with_isos(grid, {0.5, -2.0}), TexelFormat::snorm8, Filter::hardware)[0] ==
         doctest::Approx(slopes + 2.0));
   CHECK(compiler::texel_scales(with_isos(grid, {0.0}), TexelFormat::snorm16, Filter::tricubic)[0] ==
@@ -53,7 +54,8 @@ TEST_CASE("a normalised format spans what a boundary can need: the slopes, and t
 
 TEST_CASE("what is stored is off by half a step at most where it is not cut off, and keeps its side there") {
   const auto grid = tests::grid_of(glm::uvec3(16), [](glm::dvec3 p) { return glm::length(p) - 0.6; });
-  for (const auto& [format, steps] : {std::pair{TexelFormat::snorm16, 32767.0}, std::pair{TexelFormat::snorm8, 127.0}}) {
+  for (const auto& [format, steps] :
+       {std::pair{TexelFormat::snorm16, 32767.0}, std::pair{TexelFormat::snorm8, 127.0}}) {
     const double scale = compiler::texel_scales(with_isos(grid, {0.0}), format, Filter::shader)[0];
     CHECK(scale < 3.0 * 2.0 / 16.0);  // of a distance, neighbours differ by their spacing at most
     const auto stored = compiler::as_stored(grid, format, scale);
@@ -101,7 +103,8 @@ TEST_CASE("cutting far samples off moves no boundary: trilinear and tricubic giv
   }
 }
 
-TEST_CASE("tricubic keeps the samples, is exact for quadratics, smooth, and repeats the outer samples beyond the edge") {
+TEST_CASE(
+    "tricubic keeps the samples, is exact for quadratics, smooth, and repeats the outer samples beyond the edge") {
   const auto rough = rough_grid({5, 4, 6});
   for (std::uint32_t z = 0, i = 0; z < 6; ++z) {
     for (std::uint32_t y = 0; y < 4; ++y) {

@@ -13,10 +13,13 @@ TEST_CASE("OFF: every form of the same tetrahedron") {
   const std::string faces = "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
   const std::string files[] = {
       "OFF\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n" + faces,
-      "# made by hand\n\nOFF # a tetrahedron\n# counts\n4 4 0\r\n\r\n0 0 0 # first\n1 0 0\n0 1 0\n\n0 0 1\n" + faces + "\n# end\n",
-      "OFF 4 4 6 0 0 0 1 0 0 0 1 0 0 0 1 " + faces,                                             // lines don't matter
+      "# made by hand\n\nOFF # a tetrahedron\n# counts\n4 4 0\r\n\r\n0 0 0 # first\n1 0 0\n0 1 0\n\n0 0 1\n" + faces +
+          "\n# end\n",
+      "OFF 4 4 6 0 0 0 1 0 0 0 1 0 0 0 1 " + faces,  // lines don't matter
       "COFF\n4 4 6\n0 0 0 255 0 0 255\n1 0 0 1 1 1\n0 1 0 0.5 0.5 0.5 1\n0 0 1 0 0 0 0\n" + faces,  // colours
-      "STCNOFF\n4 4 6\n0 0 0 0 0 1 1 1 1 1 0 0\n1 0 0 0 0 1 1 1 1 1 0 0\n0 1 0 0 0 1 1 1 1 1 0 0\n0 0 1 0 0 1 1 1 1 1 0 0\n" + faces,
+      "STCNOFF\n4 4 6\n0 0 0 0 0 1 1 1 1 1 0 0\n1 0 0 0 0 1 1 1 1 1 0 0\n0 1 0 0 0 1 1 1 1 1 0 0\n0 0 1 0 0 1 1 1 1 1 "
+      "0 0\n" +
+          faces,
       "OFF\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1 255 0 0\n3 0 1 3 7\n3 0 3 2 0.1 0.2 0.3 1 # red\n3 1 2 3"};
   for (const std::string& bytes : files) {
     for (const char* path : {"a.off", "without an ending", "a.obj"}) {

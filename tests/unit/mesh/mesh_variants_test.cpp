@@ -151,7 +151,8 @@ TEST_CASE("what stands behind the data is passed over, with a warning") {
       mesh_with_warning("a.ply", binary + "\n", code,
                         "1 bytes behind the last element that the header declares are passed over (at byte " +
                             std::to_string(binary.size()) + ")"));
-  check_is_tetrahedron(mesh_with_warning("a.obj", obj + std::string("\x1a\0\0", 3), code, "the text ends here; 3 bytes are passed over"));
+  check_is_tetrahedron(mesh_with_warning("a.obj", obj + std::string("\x1a\0\0", 3), code,
+                                         "the text ends here; 3 bytes are passed over"));
   // A solid whose keyword is misspelt is no such thing: its triangles would be lost.
   std::string second = stl_text();
   second.replace(0, 5, "sol1d");

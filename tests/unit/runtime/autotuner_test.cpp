@@ -12,7 +12,8 @@ using dmvv::runtime::Autotuner;
 namespace {
 
 /// Frames whose ways take these times; how often each way was taken.
-std::map<std::size_t, int> run(Autotuner& trials, const std::array<double, 3>& ms, const std::array<bool, 3>& possible, int frames) {
+std::map<std::size_t, int> run(Autotuner& trials, const std::array<double, 3>& ms, const std::array<bool, 3>& possible,
+                               int frames) {
   std::map<std::size_t, int> taken;
   for (int i = 0; i < frames; ++i) {
     const std::size_t way = trials.begin(possible);

@@ -49,7 +49,8 @@ Clustered clustered(const voml::Mesh& mesh) {
 /// Triangles that may be seen (or are counted), by the calls of a plan.
 std::size_t triangles_of(const std::vector<DrawCall>& calls, bool counts) {
   std::size_t indices = 0;
-  for (const DrawCall& call : calls) indices += (counts ? call.kind.counts : call.kind.is_seen) ? call.indices.count : 0;
+  for (const DrawCall& call : calls)
+    indices += (counts ? call.kind.counts : call.kind.is_seen) ? call.indices.count : 0;
   return indices / 3;
 }
 
@@ -83,7 +84,8 @@ TEST_CASE("clusters hold all triangles, in their balls and cones") {
     narrow += cluster.sine < 0.9;
     for (std::uint32_t i = cluster.indices.first; i < next; i += 3) {
       const Corners corners = corners_of(surface, i);
-      for (const auto& corner : corners) outside += glm::distance(point(corner), cluster.center) > cluster.radius + 1e-9;
+      for (const auto& corner : corners)
+        outside += glm::distance(point(corner), cluster.center) > cluster.radius + 1e-9;
       const glm::dvec3 a = point(corners[0]);
       const glm::dvec3 normal = glm::normalize(glm::cross(point(corners[1]) - a, point(corners[2]) - a));
       turned += cluster.sine < 1.0 && glm::length(glm::cross(normal, cluster.axis)) > cluster.sine + 1e-6;
@@ -111,10 +113,12 @@ TEST_CASE("what is beside the picture, turned away or cut away is left out") {
   const auto ball = clustered(sphere(0.9, {0.0, 0.0, 0.0}, 96));
   const std::size_t all = ball.surface.indices.size() / 3;
   const glm::dvec3 eye(0.0, 0.0, 5.0);
-  /// All that must be drawn is; of the rest most is not (the clusters around the poles hold triangles of many directions).
+  /// All that must be drawn is; of the rest most is not (the clusters around the poles hold triangles of many
+  /// directions).
   const auto check_drawn = [&](const std::vector<DrawCall>& calls, auto must_be_drawn) {
     std::size_t expected = 0;
-    for (std::size_t i = 0; i < ball.surface.indices.size(); i += 3) expected += must_be_drawn(corners_of(ball.surface, i));
+    for (std::size_t i = 0; i < ball.surface.indices.size(); i += 3)
+      expected += must_be_drawn(corners_of(ball.surface, i));
     CHECK(triangles_of(calls, false) >= expected);
     CHECK(triangles_of(calls, false) < expected + all / 3);
   };

@@ -1,8 +1,8 @@
+#include <unistd.h>
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <memory>
-#include <unistd.h>
 
 #include "runtime/calibrate.h"
 #include "runtime/gpu/gpu.h"

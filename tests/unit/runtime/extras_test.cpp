@@ -1,4 +1,5 @@
-// A device without extras (no 64-bit atomics, short texel buffers) draws the same pictures as one that has them, to the bit.
+// A device without extras (no 64-bit atomics, short texel buffers) draws the same pictures as one that has them, to the
+// bit.
 #include <algorithm>
 
 #include "runtime/gpu/gpu.h"
@@ -58,7 +59,8 @@ TEST_CASE("without extras: solids, whole and cut, from outside and from within")
   check_same(view_of(&ring));
   check_same(view_of(&ring, {front}));
   check_same(view_of(&ring, {front, oblique, {{1.0, 0.0, 0.0}, 0.3}}));
-  check_same(view_of(&ring, {front, oblique, {{1.0, 0.0, 0.0}, 0.3}, {{0.0, 1.0, 0.0}, 0.25}}));  // kernels for any number of cuts
+  check_same(view_of(
+      &ring, {front, oblique, {{1.0, 0.0, 0.0}, 0.3}, {{0.0, 1.0, 0.0}, 0.25}}));  // kernels for any number of cuts
   View within = view_of(&ring, {front});
   within.camera = {.eye = {0.65, 0.0, 0.0}, .look = {0.0, 0.5, 0.3}};
   check_same(within);

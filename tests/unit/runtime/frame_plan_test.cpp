@@ -49,17 +49,17 @@ TEST_CASE("one picture: the mesh, the pixels that show it, their answers") {
 
 TEST_CASE("with leaders, what they do not answer for is evaluated; with verdicts, what is proven is painted") {
   const FramePlan plan = plan_frame(request_of({.classifies = true, .leads = true}));
-  CHECK(steps_of(plan.tiles[0]) == std::vector{Step::raster, Step::clear, Step::classify, Step::count_lists, Step::paint,
-                                               Step::lead, Step::follow, Step::count_lists, Step::evaluate,
+  CHECK(steps_of(plan.tiles[0]) == std::vector{Step::raster, Step::clear, Step::classify, Step::count_lists,
+                                               Step::paint, Step::lead, Step::follow, Step::count_lists, Step::evaluate,
                                                Step::count_hits, Step::count_hits, Step::read_back});
   CHECK(plan.tiles[0].steps[8].list == DMVV_LEFT);
 }
 
 TEST_CASE("stages follow each other; pixels go on only from those that say so") {
   const FramePlan plan = plan_frame(request_of({}, {true, false}));
-  CHECK(steps_of(plan.tiles[0]) == std::vector{Step::raster, Step::clear, Step::list, Step::count_lists, Step::count_stages,
-                                               Step::stage, Step::distribute, Step::count_stages, Step::stage,
-                                               Step::read_back});
+  CHECK(steps_of(plan.tiles[0]) == std::vector{Step::raster, Step::clear, Step::list, Step::count_lists,
+                                               Step::count_stages, Step::stage, Step::distribute, Step::count_stages,
+                                               Step::stage, Step::read_back});
 }
 
 TEST_CASE("a slice has no mesh; without lists all pixels are evaluated") {
@@ -120,8 +120,8 @@ TEST_CASE("steps wait for what they need and for nothing else") {
 }
 
 TEST_CASE("no step meets a resource in use, whatever the plan") {
-  // The rule in other words than the code's: between two waits, who writes a resource is alone with it, and nobody reads
-  // what another one adds to.
+  // The rule in other words than the code's: between two waits, who writes a resource is alone with it, and nobody
+  // reads what another one adds to.
   for (std::size_t number = 0; number < Strategy::count; ++number) {
     for (const std::vector<bool>& stages : {std::vector<bool>{}, {true, true, false}}) {
       const FramePlan plan = plan_frame(request_of(Strategy::of_number(number), stages));
@@ -151,7 +151,8 @@ TEST_CASE("plans as text") {
   check_golden("stages", plan_frame(request_of({.classifies = true}, {true, true, false})));
   FrameRequest tiles = request_of({.classifies = true});
   tiles.size_px = {2560, 1440};
-  tiles.tiles = {{{0, 0}, {2048, 1024}}, {{2048, 0}, {512, 1024}}, {{0, 1024}, {2048, 416}}, {{2048, 1024}, {512, 416}}};
+  tiles.tiles = {
+      {{0, 0}, {2048, 1024}}, {{2048, 0}, {512, 1024}}, {{0, 1024}, {2048, 416}}, {{2048, 1024}, {512, 416}}};
   tiles.kept = {{.surface = true, .picture = true}, {.surface = true, .other_time = true}, {.surface = true}, {}};
   check_golden("tiles", plan_frame(tiles));
 }

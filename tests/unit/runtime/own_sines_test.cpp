@@ -50,7 +50,8 @@ TEST_CASE("own sines are as good as the promise of accuracy assumes") {
     worst = std::max({worst, std::abs(got.r - std::sin(x)) / bound, std::abs(got.g - std::cos(x)) / bound});
     // A quotient of both: their errors, and those of rounding.
     const double slope = 1.0 + std::tan(x) * std::tan(x);
-    if (bound * slope < 0.1) worst_tangent = std::max(worst_tangent, std::abs(got.b - std::tan(x)) / (2.5 * bound * slope));
+    if (bound * slope < 0.1)
+      worst_tangent = std::max(worst_tangent, std::abs(got.b - std::tan(x)) / (2.5 * bound * slope));
   }
   MESSAGE("largest error as a share of its bound: ", worst, ", tan ", worst_tangent);
   CHECK(worst < 1.0);

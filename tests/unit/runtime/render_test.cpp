@@ -33,7 +33,8 @@ double compare_with_rays(const View& view, const voml::Mesh& mesh, const Picture
   constexpr std::array<glm::dvec2, 5> offsets{
       glm::dvec2{0, 0}, {0.05, 0.05}, {-0.05, 0.05}, {0.05, -0.05}, {-0.05, -0.05}};
   const glm::dvec3 forward = glm::normalize(view.camera.look - view.camera.eye);
-  std::size_t borders = 0, wrong_cover = 0, wrong_depth = 0, off_plane = 0, wrong_region = 0, covered = 0, wrong_position = 0;
+  std::size_t borders = 0, wrong_cover = 0, wrong_depth = 0, off_plane = 0, wrong_region = 0, covered = 0,
+              wrong_position = 0;
   for (std::uint32_t y = 0; y < view.size_px.y; ++y) {
     for (std::uint32_t x = 0; x < view.size_px.x; ++x) {
       const std::size_t pixel = std::size_t{y} * view.size_px.x + x;
@@ -214,7 +215,8 @@ TEST_CASE("triangles of any size make the same picture") {
     view.mesh = &large;
     const Picture expected = render(view, Show::position);
     // Triangles of some 70, 10 and 1 pixels across, and slivers.
-    for (const auto& division : {std::pair(4, 4), std::pair(30, 30), std::pair(250, 250), std::pair(120, 1), std::pair(1, 500)}) {
+    for (const auto& division :
+         {std::pair(4, 4), std::pair(30, 30), std::pair(250, 250), std::pair(120, 1), std::pair(1, 500)}) {
       const int n = division.first, m = division.second;
       const voml::Mesh fine = faces_of(n, m);
       view.mesh = &fine;
@@ -222,8 +224,10 @@ TEST_CASE("triangles of any size make the same picture") {
       std::size_t others = 0, off = 0;
       for (std::size_t i = 0; i < std::size_t{400} * 300; ++i) {
         const bool is_covered = expected.rgba[4 * i + 3] != 0.0f;
-        if (is_covered != (picture.rgba[4 * i + 3] != 0.0f)) ++others;
-        else off += is_covered && glm::distance(color_at(expected, i), color_at(picture, i)) > 2e-5f;
+        if (is_covered != (picture.rgba[4 * i + 3] != 0.0f))
+          ++others;
+        else
+          off += is_covered && glm::distance(color_at(expected, i), color_at(picture, i)) > 2e-5f;
       }
       CAPTURE(n);
       CAPTURE(m);
@@ -396,7 +400,8 @@ TEST_CASE("bytes are the floats of the same picture, rounded to the nearest") {
       CHECK(bytes.regions == floats.regions);
       REQUIRE(bytes.rgba8.size() == floats.rgba.size());
       std::size_t wrong = 0;
-      for (std::size_t i = 0; i < floats.rgba.size(); ++i) wrong += bytes.rgba8[i] != runtime::to_byte(floats.rgba[i]) ? 1 : 0;
+      for (std::size_t i = 0; i < floats.rgba.size(); ++i)
+        wrong += bytes.rgba8[i] != runtime::to_byte(floats.rgba[i]) ? 1 : 0;
       CHECK(wrong == 0);
     }
   }
@@ -434,8 +439,13 @@ TEST_CASE("a frame that keeps what stands still is the frame drawn anew, whateve
 
   auto evaluator = must(runtime::Evaluator::create(device(), program(Show::checker)));
   for (std::size_t step : {1u, 5u, 7u}) {  // coprime with the number of views: each follows each in some round
-    for (std::size_t i = 0, at = 0; i < 2 * views.size(); ++i, at = (at + (i % 2) * step) % views.size()) {  // each twice
-      for (const auto& disabled : {std::vector<std::string>{}, {"keep-picture"}, {"keep-surface", "keep-picture"}, {"pixel-list"}, {"keep-surface", "clusters"}}) {
+    for (std::size_t i = 0, at = 0; i < 2 * views.size();
+         ++i, at = (at + (i % 2) * step) % views.size()) {  // each twice
+      for (const auto& disabled : {std::vector<std::string>{},
+                                   {"keep-picture"},
+                                   {"keep-surface", "keep-picture"},
+                                   {"pixel-list"},
+                                   {"keep-surface", "clusters"}}) {
         View view = views[at];
         view.disabled_passes = disabled;
         const Picture picture = must(evaluator.render(view));
@@ -464,11 +474,13 @@ TEST_CASE("turned away triangles that are not drawn would not have been seen") {
   const voml::Mesh hollow = join(ball(0.9, 0.0), ball(0.6, 0.05), true);
   const std::vector<voml::Mesh> meshes{torus(0.65, 0.3, 24), hollow, join(ball(0.7, -0.2), ball(0.7, 0.3), false),
                                        join(ball(0.4, -0.5), ball(0.4, 0.5), true)};  // the last one inside out
-  const std::vector<std::vector<Plane>> cuts{{}, {{{0.0, 0.3, 1.0}, 0.1}}, {{{0.0, 0.0, -1.0}, 0.1}, {{1.0, 0.2, 0.0}, 0.3}}};
+  const std::vector<std::vector<Plane>> cuts{
+      {}, {{{0.0, 0.3, 1.0}, 0.1}}, {{{0.0, 0.0, -1.0}, 0.1}, {{1.0, 0.2, 0.0}, 0.3}}};
   auto evaluator = must(runtime::Evaluator::create(device(), program(Show::normal)));
   for (const voml::Mesh& mesh : meshes) {
     for (const auto& planes : cuts) {
-      for (const glm::dvec3& eye : {glm::dvec3(2.5, 3.0, 4.0), glm::dvec3(-4.0, 0.2, 0.5), glm::dvec3(0.65, 0.05, 0.0)}) {
+      for (const glm::dvec3& eye :
+           {glm::dvec3(2.5, 3.0, 4.0), glm::dvec3(-4.0, 0.2, 0.5), glm::dvec3(0.65, 0.05, 0.0)}) {
         View view = view_from(eye, planes);
         view.camera.look = {-0.1, 0.02, 0.3};
         view.mesh = &mesh;

@@ -69,9 +69,25 @@ class Floats {
   double in(double lo, double hi) { return lo + (hi - lo) * (static_cast<double>(random_()) * 0x1p-32); }
 
   static constexpr double infinity = std::numeric_limits<double>::infinity();
-  static constexpr double special[] = {0.0, -0.0, 1.0, -1.0, 0.5, 2.0, 3.0, -0.5, 1e-45f, -1e-45f, 0x1p-126,
-                                       std::numeric_limits<float>::max(), -std::numeric_limits<float>::max(), infinity,
-                                       -infinity, 88.0, -88.0, 1.5707964f, 3.1415927f};
+  static constexpr double special[] = {0.0,
+                                       -0.0,
+                                       1.0,
+                                       -1.0,
+                                       0.5,
+                                       2.0,
+                                       3.0,
+                                       -0.5,
+                                       1e-45f,
+                                       -1e-45f,
+                                       0x1p-126,
+                                       std::numeric_limits<float>::max(),
+                                       -std::numeric_limits<float>::max(),
+                                       infinity,
+                                       -infinity,
+                                       88.0,
+                                       -88.0,
+                                       1.5707964f,
+                                       3.1415927f};
   std::mt19937 random_{12};
 };
 
@@ -104,8 +120,7 @@ Program program_of(Op op) {
 
 bool is_measured(Op op) {
   const OpInfo& table = info(op);
-  return table.result == 'f' && table.operands.find_first_not_of("fi") == std::string_view::npos &&
-         op != Op::f_from_i;
+  return table.result == 'f' && table.operands.find_first_not_of("fi") == std::string_view::npos && op != Op::f_from_i;
 }
 
 struct Worst {
@@ -129,7 +144,8 @@ Worst measure(Op op, const std::vector<glm::dvec3>& points, const std::vector<do
       const double x = points[i][k];
       boxes[k].f = Domain::flushed({x, x});
       cells[k].f = x;
-      if (static_cast<std::size_t>(k) >= table.operands.size() || table.operands[static_cast<std::size_t>(k)] != 'i') continue;
+      if (static_cast<std::size_t>(k) >= table.operands.size() || table.operands[static_cast<std::size_t>(k)] != 'i')
+        continue;
       boxes[k].i = Domain::i_from_f({x, x});
       cells[k].i = static_cast<std::uint32_t>(PointDomain<double>::i_from_f(x));
     }
@@ -147,8 +163,8 @@ Worst measure(Op op, const std::vector<glm::dvec3>& points, const std::vector<do
     const double error = got[i] - exact, allowed = error < 0.0 ? exact - bound.lo : bound.hi - exact;
     if (std::abs(error) <= 0x1p-126) continue;  // may be flushed
     if (!(allowed > 0.0) || std::abs(error) / allowed <= worst.share) continue;
-    worst = {std::abs(error) / allowed, std::abs(error), std::abs(error / exact), points[i], got[i], exact,
-             worst.bounded};
+    worst = {
+        std::abs(error) / allowed, std::abs(error), std::abs(error / exact), points[i], got[i], exact, worst.bounded};
   }
   CHECK(outside == 0);
   return worst;

@@ -456,9 +456,12 @@ class RandomBody {
 
   std::string condition() {
     switch (below(3)) {
-      case 0: return fmt::format("t < {}.0", below(6));
-      case 1: return fmt::format("{} > {}", leaf(), leaf());
-      default: return fmt::format("n + {} < 5", below(6));
+      case 0:
+        return fmt::format("t < {}.0", below(6));
+      case 1:
+        return fmt::format("{} > {}", leaf(), leaf());
+      default:
+        return fmt::format("n + {} < 5", below(6));
     }
   }
 

@@ -295,7 +295,8 @@ TEST_CASE("integers that wrap around stay known") {
     return snippet_of(body).evaluate({{lo, 0, 0}, {hi, 0, 0}}, {0, 0}, Rounding::float32);
   };
   // 3e9 + 3e9 and 65537 * 65537 modulo 2^32; a whole range that wraps; one that wraps in part.
-  CHECK(over("uint a = 3000000000u + uint(p.x); return float((a + 3000000000u) >> 8u);", 0, 0).hi == doctest::Approx(std::floor(1705032704.0 / 256)));
+  CHECK(over("uint a = 3000000000u + uint(p.x); return float((a + 3000000000u) >> 8u);", 0, 0).hi ==
+        doctest::Approx(std::floor(1705032704.0 / 256)));
   CHECK(over("uint a = 65537u + uint(p.x); return float(a * a);", 0, 0).lo == doctest::Approx(131073));
   const Interval wrapped = over("return float(4294967290u + uint(p.x));", 10.5, 20.5);
   CHECK(wrapped.lo == doctest::Approx(4));

@@ -77,7 +77,8 @@ TEST_CASE("W0403: a surface that leaves the cube, at some time") {
 
 TEST_CASE("W0404: an SDF that is inside, or outside, everywhere") {
   const std::string inside = lint_function("return length(p) - 5.0;");  // sqrt(3) - 5 at the corners, at most
-  CHECK(inside.starts_with("W0404 the SDF 'S' is inside everywhere: its largest value in the standard cube [-1,1]^3 at p = ("));
+  CHECK(inside.starts_with(
+      "W0404 the SDF 'S' is inside everywhere: its largest value in the standard cube [-1,1]^3 at p = ("));
   CHECK(contains(inside, "is -3.26795;"));
   const std::string outside = lint_function("return length(p - vec3(3.0, 0.0, 0.0)) - 0.5;");  // 1.5 at (1, 0, 0)
   CHECK(contains(outside, "W0404 the SDF 'S' is outside everywhere: its least value"));
@@ -97,13 +98,18 @@ TEST_CASE("W0404: what noise hides from intervals") {
   // 0.5 times a sum of noise below 1, on a ball of radius 5: written for another size.
   const std::string planet =
       "<MVV><FUNCTIONS><![CDATA["
-      "float hash(vec3 q) { q = fract(q * 0.3183 + vec3(0.11, 0.17, 0.13)); q *= 17.0; return fract(q.x * q.y * q.z * (q.x + "
+      "float hash(vec3 q) { q = fract(q * 0.3183 + vec3(0.11, 0.17, 0.13)); q *= 17.0; return fract(q.x * q.y * q.z * "
+      "(q.x + "
       "q.y + q.z)); }\n"
       "float noise(vec3 x) { vec3 i = floor(x), f = fract(x); f = f * f * (3.0 - 2.0 * f);"
-      "  return mix(mix(mix(hash(i), hash(i + vec3(1, 0, 0)), f.x), mix(hash(i + vec3(0, 1, 0)), hash(i + vec3(1, 1, 0)), f.x), f.y),"
-      "             mix(mix(hash(i + vec3(0, 0, 1)), hash(i + vec3(1, 0, 1)), f.x), mix(hash(i + vec3(0, 1, 1)), hash(i + vec3(1, 1, 1)), f.x), f.y), f.z); }\n"
-      "float fbm(vec3 x) { float s = 0.0, a = 0.5; for (int i = 0; i < 5; ++i) { s += a * noise(x); x = x * 2.03 + 1.7; a *= 0.5; } return s; }"
-      "]]></FUNCTIONS><OBJECT name='PLANET'><SDF name='S' function='true'>return length(p) - 5.0 + 0.5 * fbm(3.0 * p TIME);</SDF>"
+      "  return mix(mix(mix(hash(i), hash(i + vec3(1, 0, 0)), f.x), mix(hash(i + vec3(0, 1, 0)), hash(i + vec3(1, 1, "
+      "0)), f.x), f.y),"
+      "             mix(mix(hash(i + vec3(0, 0, 1)), hash(i + vec3(1, 0, 1)), f.x), mix(hash(i + vec3(0, 1, 1)), "
+      "hash(i + vec3(1, 1, 1)), f.x), f.y), f.z); }\n"
+      "float fbm(vec3 x) { float s = 0.0, a = 0.5; for (int i = 0; i < 5; ++i) { s += a * noise(x); x = x * 2.03 + "
+      "1.7; a *= 0.5; } return s; }"
+      "]]></FUNCTIONS><OBJECT name='PLANET'><SDF name='S' function='true'>return length(p) - 5.0 + 0.5 * fbm(3.0 * p "
+      "TIME);</SDF>"
       "<REGION name='R' type='color' rgb='0.9 0.6 0.2'/></OBJECT></MVV>";
   for (const std::string time : {"", " + t / 1000.0"}) {
     std::string text = planet;
@@ -118,8 +124,9 @@ TEST_CASE("W0404: no small or thin shape is overlooked") {
   CHECK(lint_function("return abs(length(p) - 0.512) - 0.0005;") == "");
   CHECK(lint_function("return max(length(p.xy - vec2(0.031, 0.017)) - 0.0007, abs(p.z) - 0.9);") == "");
   // A blob that no sample meets, beside a plane that the cube does not hold.
-  CHECK_FALSE(contains(lint_function("vec3 q = p - vec3(0.31, 0.42, 0.23); return min(p.y + 3.0, 0.5 - exp(-9000.0 * dot(q, q)));"),
-                       "W0404"));
+  CHECK_FALSE(contains(
+      lint_function("vec3 q = p - vec3(0.31, 0.42, 0.23); return min(p.y + 3.0, 0.5 - exp(-9000.0 * dot(q, q)));"),
+      "W0404"));
 }
 
 TEST_CASE("W0404: grids, by all their samples") {
@@ -128,8 +135,9 @@ TEST_CASE("W0404: grids, by all their samples") {
     made.size = glm::uvec3(4);
     made.values.assign(64, value);
     made.values[21] = one;
-    return lint_text("<MVV><OBJECT name='A'><SDF name='G' file='g.lxn' " + attributes + "/>" + filled + "</OBJECT></MVV>",
-                     {{"g.lxn", voml::write_lxn(made)}});
+    return lint_text(
+        "<MVV><OBJECT name='A'><SDF name='G' file='g.lxn' " + attributes + "/>" + filled + "</OBJECT></MVV>",
+        {{"g.lxn", voml::write_lxn(made)}});
   };
   CHECK(grid(1.0f, -1.0f) == "");
   CHECK(grid(-1.0f, 1.0f) == "");
@@ -144,13 +152,15 @@ TEST_CASE("W0405: a tile whose surface the next one does not continue") {
   CHECK(contains(cut, "W0405 the surface of the SDF 'S' is cut at the edge of its tile: at p = (1, "));
   // -0.25 at (1, 0, 0), 1.25 at (-1, 0, 0)
   CHECK(lint_function("return length(p - vec3(0.25, 0.0, 0.0)) - 0.5;", half) == "");
-  CHECK(lint_function("return length(p) - 1.25;", half) == "");                            // faces are equal
+  CHECK(lint_function("return length(p) - 1.25;", half) == "");                                     // faces are equal
   CHECK(lint_function("return 0.3 * sin(3.14159265 * p.x) * sin(3.14159265 * p.y);", half) == "");  // periodic
   CHECK(lint_function("return length(p - vec3(0.75, 0.0, 0.0)) - 0.5;", "type='tiling'") == "");  // one tile: the cube
   CHECK(lint_function("return length(p - vec3(0.75, 0.0, 0.0)) - 0.5;").starts_with("W0403"));
   // Both sides of the cut are one region.
-  CHECK(lint_text("<MVV><OBJECT name='A'>" + function("return length(p - vec3(0.75, 0.0, 0.0)) - 0.5;", half) + filled +
-                  "<MAPPINGS><SDF name='S'><POSITIVE region='R'/><NEGATIVE region='R'/></SDF></MAPPINGS></OBJECT></MVV>") == "");
+  CHECK(lint_text(
+            "<MVV><OBJECT name='A'>" + function("return length(p - vec3(0.75, 0.0, 0.0)) - 0.5;", half) + filled +
+            "<MAPPINGS><SDF name='S'><POSITIVE region='R'/><NEGATIVE region='R'/></SDF></MAPPINGS></OBJECT></MVV>") ==
+        "");
 }
 
 TEST_CASE("W0406: a hash of a sine depends on rounding, one of integers does not") {
@@ -158,24 +168,31 @@ TEST_CASE("W0406: a hash of a sine depends on rounding, one of integers does not
     return lint_text(
         "<MVV><FUNCTIONS><![CDATA[#include <sdf>\n" + hash +
         "float cells(vec3 x) { vec3 i = floor(x), f = fract(x); float r = 8.0;\n"
-        "for (int k = 0; k < 27; ++k) { vec3 b = vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1); vec3 d = b - f + hash(i + b); r = min(r, dot(d, d)); }\n"
-        "return sqrt(r); }]]></FUNCTIONS><OBJECT name='O'><SDF name='S' function='true'>return (cells(3.0 * p) - 0.4) / 3.0;</SDF>"
+        "for (int k = 0; k < 27; ++k) { vec3 b = vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1); vec3 d = b - f + hash(i + "
+        "b); r = min(r, dot(d, d)); }\n"
+        "return sqrt(r); }]]></FUNCTIONS><OBJECT name='O'><SDF name='S' function='true'>return (cells(3.0 * p) - 0.4) "
+        "/ 3.0;</SDF>"
         "<REGION name='E' type='color' rgb='0 0 0'/><REGION name='R' type='color' rgb='0.9 0.6 0.2'/>"
         "<MAPPINGS><SDF name='S'><POSITIVE region='E'/><NEGATIVE region='R'/></SDF></MAPPINGS></OBJECT></MVV>");
   };
   const std::string sine = cells(
-      "vec3 hash(vec3 q) { return fract(sin(vec3(dot(q, vec3(12.9, 78.2, 37.7)), dot(q, vec3(39.3, 11.1, 83.2)), dot(q, "
+      "vec3 hash(vec3 q) { return fract(sin(vec3(dot(q, vec3(12.9, 78.2, 37.7)), dot(q, vec3(39.3, 11.1, 83.2)), "
+      "dot(q, "
       "vec3(73.2, 52.2, 9.1)))) * 43758.5453); }\n");
   CHECK(contains(sine, "W0406 the side of the SDF 'S' depends on rounding at "));
   CHECK(contains(sine, "fract of a product of 43758.5 and a sine, which float32 knows to within "));
   CHECK(contains(sine, "op_noise"));
   const std::string integers = cells(
-      "vec3 hash(vec3 q) { uvec3 v = uvec3(ivec3(q)) * 1664525u + 1013904223u; v.x += v.y * v.z; v.y += v.z * v.x; v.z += v.x * "
-      "v.y; v ^= v >> 16u; v.x += v.y * v.z; v.y += v.z * v.x; v.z += v.x * v.y; return vec3(v >> 8u) / 16777216.0; }\n");
+      "vec3 hash(vec3 q) { uvec3 v = uvec3(ivec3(q)) * 1664525u + 1013904223u; v.x += v.y * v.z; v.y += v.z * v.x; v.z "
+      "+= v.x * "
+      "v.y; v ^= v >> 16u; v.x += v.y * v.z; v.y += v.z * v.x; v.z += v.x * v.y; return vec3(v >> 8u) / 16777216.0; "
+      "}\n");
   CHECK_FALSE(contains(integers, "W0406"));
-  CHECK_FALSE(contains(lint_function("#include <sdf>\nreturn (length(p) - 0.6 + 0.2 * op_noise(7.0 * p)) / 3.0;"), "W0406"));
+  CHECK_FALSE(
+      contains(lint_function("#include <sdf>\nreturn (length(p) - 0.6 + 0.2 * op_noise(7.0 * p)) / 3.0;"), "W0406"));
   // Without a jump: what is left of a small number beside a large one.
-  CHECK(contains(lint_function("return (p.x + 1e8) - 1e8 - 0.3 * p.y;"), "W0406 the side of the SDF 'S' depends on rounding"));
+  CHECK(contains(lint_function("return (p.x + 1e8) - 1e8 - 0.3 * p.y;"),
+                 "W0406 the side of the SDF 'S' depends on rounding"));
 }
 
 TEST_CASE("the collection of distance functions is sound: nothing is missing, unset or left to rounding") {
@@ -188,7 +205,8 @@ TEST_CASE("the collection of distance functions is sound: nothing is missing, un
       helpers = "<FUNCTIONS><![CDATA[" + text.substr(0, at) + "]]></FUNCTIONS>";
       text.erase(0, at + mark.size());
     }
-    const std::string said = lint_text("<MVV>" + helpers + "<OBJECT name='A'>" + function(text) + filled + "</OBJECT></MVV>");
+    const std::string said =
+        lint_text("<MVV>" + helpers + "<OBJECT name='A'>" + function(text) + filled + "</OBJECT></MVV>");
     CAPTURE(file.path().string());
     CHECK_MESSAGE(!contains(said, "W0404"), said);
     CHECK_MESSAGE(!contains(said, "W0406"), said);

@@ -1,4 +1,5 @@
-// How steep snippets are: bounds that no pair of points exceeds, and that are tight where mathematics says what they are.
+// How steep snippets are: bounds that no pair of points exceeds, and that are tight where mathematics says what they
+// are.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -68,8 +69,9 @@ TEST_CASE("what is known exactly: distances have the slope 1") {
 }
 
 TEST_CASE("what jumps, or may be infinitely steep, is not known") {
-  for (const char* body : {"return p.x < 0.0 ? 1.0 : 2.0;", "return fract(3.0 * p.x);", "return floor(p.y);", "return sqrt(abs(p.x));",
-                           "return 1.0 / p.x;", "return atan(p.y, p.x);", "return p.x == 0.0 ? p.y : p.z;"}) {
+  for (const char* body :
+       {"return p.x < 0.0 ? 1.0 : 2.0;", "return fract(3.0 * p.x);", "return floor(p.y);", "return sqrt(abs(p.x));",
+        "return 1.0 / p.x;", "return atan(p.y, p.x);", "return p.x == 0.0 ? p.y : p.z;"}) {
     CAPTURE(body);
     CHECK(of(body).slope == infinity);
   }

@@ -93,7 +93,8 @@ void check_keeps_everything(const std::string& text) {
 }  // namespace
 
 TEST_CASE("one element a line, two blanks a level, attributes in order, empty elements short") {
-  CHECK(formatted("<mvv><Object  name = 'A' ><Sdf file='x.lxn' offset=\"1\" NAME='S'></Sdf>\r\n\r\n\r\n\r\n<REGION type='empty'\n"
+  CHECK(formatted("<mvv><Object  name = 'A' ><Sdf file='x.lxn' offset=\"1\" NAME='S'></Sdf>\r\n\r\n\r\n\r\n<REGION "
+                  "type='empty'\n"
                   "name='R'/></Object></mvv>") ==
         "<MVV>\n"
         "  <OBJECT name=\"A\">\n"
@@ -114,12 +115,13 @@ TEST_CASE("what stands on one line and fits stays so; what does not fit is broke
 
 TEST_CASE("long tags are wrapped below their first attribute, at 120 columns") {
   const std::string a(50, 'a');
-  CHECK(formatted("<MVV><OBJECT name='O'><REGION name='R' type='empty'>\n<EMBEDDED name='E' scale='1 1 1' seedFile='" + a +
-                  "' rotateFile='" + a + "'/></REGION></OBJECT></MVV>") ==
+  CHECK(formatted("<MVV><OBJECT name='O'><REGION name='R' type='empty'>\n<EMBEDDED name='E' scale='1 1 1' seedFile='" +
+                  a + "' rotateFile='" + a + "'/></REGION></OBJECT></MVV>") ==
         "<MVV>\n  <OBJECT name=\"O\">\n    <REGION name=\"R\" type=\"empty\">\n"
-        "      <EMBEDDED name=\"E\" seedFile=\"" + a + "\"\n" +
-        "                rotateFile=\"" + a + "\" scale=\"1 1 1\"/>\n"
-        "    </REGION>\n  </OBJECT>\n</MVV>\n");
+        "      <EMBEDDED name=\"E\" seedFile=\"" +
+            a + "\"\n" + "                rotateFile=\"" + a +
+            "\" scale=\"1 1 1\"/>\n"
+            "    </REGION>\n  </OBJECT>\n</MVV>\n");
   // 120 columns fit, 121 do not.
   for (const std::size_t more : {0u, 1u}) {
     const std::string value(120 - std::string_view("  <OBJECT name=\"\" x=\"1\"/>").size() + more, 'v');
@@ -129,17 +131,19 @@ TEST_CASE("long tags are wrapped below their first attribute, at 120 columns") {
 }
 
 TEST_CASE("GLSL stays byte for byte, as text and as CDATA, with entities") {
-  const std::string text = "<MVV>\n  <OBJECT name=\"A\">\n    <SDF name=\"S\" function=\"true\"> if (p.x &lt; 1.0)\n\t return 2.0;   \n\n"
-                           " return p.x;</SDF>\n    <SDF name=\"T\" function=\"true\"><![CDATA[\n x < 1  \n   ]]></SDF>\n"
-                           "  </OBJECT>\n</MVV>\n";
+  const std::string text =
+      "<MVV>\n  <OBJECT name=\"A\">\n    <SDF name=\"S\" function=\"true\"> if (p.x &lt; 1.0)\n\t return 2.0;   \n\n"
+      " return p.x;</SDF>\n    <SDF name=\"T\" function=\"true\"><![CDATA[\n x < 1  \n   ]]></SDF>\n"
+      "  </OBJECT>\n</MVV>\n";
   CHECK(formatted(text) == text);
   CHECK(formatted("<MVV><FUNCTIONS>\n\n <![CDATA[ a\n ]]>  <![CDATA[b]]>\n </FUNCTIONS></MVV>") ==
         "<MVV>\n  <FUNCTIONS><![CDATA[ a\n ]]>  <![CDATA[b]]></FUNCTIONS>\n</MVV>\n");
 }
 
 TEST_CASE("an SDF with text and sides: the text stays, the sides are laid out") {
-  CHECK(formatted("<MVV><OBJECT name='A'><MAPPINGS><SDF name='S' function='1'><![CDATA[return p.x;]]>\n<POSITIVE region='R'/>"
-                  "<NEGATIVE\nregion='R'/></SDF></MAPPINGS></OBJECT></MVV>") ==
+  CHECK(formatted(
+            "<MVV><OBJECT name='A'><MAPPINGS><SDF name='S' function='1'><![CDATA[return p.x;]]>\n<POSITIVE region='R'/>"
+            "<NEGATIVE\nregion='R'/></SDF></MAPPINGS></OBJECT></MVV>") ==
         "<MVV>\n  <OBJECT name=\"A\">\n    <MAPPINGS>\n"
         "      <SDF name=\"S\" function=\"1\"><![CDATA[return p.x;]]>\n"
         "        <POSITIVE region=\"R\"/>\n"
@@ -149,17 +153,19 @@ TEST_CASE("an SDF with text and sides: the text stays, the sides are laid out") 
 }
 
 TEST_CASE("comments are kept, beside what they stand beside, and move as a block") {
-  CHECK(formatted("<?xml version='1.0'?><!-- top -->\n<MVV>   <!-- of all -->\n<OBJECT name='A'/><!-- of A -->\n"
-                  "   <!-- first\n          second\n\n        third\n   -->\n<OBJECT name='B'/>\n\n\n<!-- last --></MVV>") ==
+  CHECK(formatted(
+            "<?xml version='1.0'?><!-- top -->\n<MVV>   <!-- of all -->\n<OBJECT name='A'/><!-- of A -->\n"
+            "   <!-- first\n          second\n\n        third\n   -->\n<OBJECT name='B'/>\n\n\n<!-- last --></MVV>") ==
         "<?xml version=\"1.0\"?>\n<!-- top -->\n<MVV> <!-- of all -->\n  <OBJECT name=\"A\"/> <!-- of A -->\n"
         "  <!-- first\n         second\n\n       third\n  -->\n  <OBJECT name=\"B\"/>\n\n  <!-- last -->\n</MVV>\n");
 }
 
 TEST_CASE("processing instructions, DOCTYPE, quotes, entities, unknown names and MMV stay; a byte order mark goes") {
-  const std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-                           "<?xml-model href=\"voml.rng\" schematypens=\"http://relaxng.org/ns/structure/1.0\"?>\n"
-                           "<!DOCTYPE MMV [<!ENTITY a \"b\">]>\n"
-                           "<MMV>\n  <OBJECT name='\"A\"' what=\"&amp;&#10;'\"/>\n  <Note x=\"1\" X=\"2\"/>\n</MMV>\n";
+  const std::string text =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<?xml-model href=\"voml.rng\" schematypens=\"http://relaxng.org/ns/structure/1.0\"?>\n"
+      "<!DOCTYPE MMV [<!ENTITY a \"b\">]>\n"
+      "<MMV>\n  <OBJECT name='\"A\"' what=\"&amp;&#10;'\"/>\n  <Note x=\"1\" X=\"2\"/>\n</MMV>\n";
   CHECK(formatted(text) == text);
   CHECK(formatted("\xef\xbb\xbf" + text) == text);
 }
@@ -192,7 +198,9 @@ TEST_CASE("deep trees: the output stays small") {
 TEST_CASE("documents of every shape: nothing is lost, and the layout is stable") {
   std::mt19937 random(7);
   const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random()) % n; };
-  const auto one_of = [&](std::initializer_list<const char*> words) { return std::string(*(words.begin() + below(static_cast<std::uint32_t>(words.size())))); };
+  const auto one_of = [&](std::initializer_list<const char*> words) {
+    return std::string(*(words.begin() + below(static_cast<std::uint32_t>(words.size()))));
+  };
   const auto blanks = [&] { return one_of({"", "", " ", "\n", "\n\n", "\r\n \t", "   ", "\n\n\n  "}); };
   std::function<std::string(int)> element = [&](int depth) {
     const std::string name = one_of({"OBJECT", "object", "SDF", "Region", "note", "EMBEDDED", "POSITIVE", "FUNCTIONS"});
@@ -201,24 +209,35 @@ TEST_CASE("documents of every shape: nothing is lost, and the layout is stable")
     const std::string names[] = {"name", "SCALE", "file", "what", "seedfile", "type", "offset", "function"};
     for (std::uint32_t i = 0, n = below(4); i < n; ++i) {
       text += one_of({" ", "\n", "\t  "}) + names[first + i] + one_of({"=", " =\n"}) +
-              one_of({"'a'", "\"b c\"", "'\"'", "\"&lt;&quot;\"", "'1 2\n 3'", "\"aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa\""});
+              one_of({"'a'", "\"b c\"", "'\"'", "\"&lt;&quot;\"", "'1 2\n 3'",
+                      "\"aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa\""});
     }
     if (below(3) == 0) return text + blanks() + "/>";
     text += ">";
     for (std::uint32_t i = 0, n = depth == 0 ? below(2) : below(5); i < n; ++i) {
       text += blanks();
       switch (below(depth == 0 ? 6 : 9)) {
-        case 0: text += one_of({"<!-- c -->", "<!---->", "<!-- a\n  b\n-->", "<!--\n\t\tx\n\n y -->"}); break;
-        case 1: text += one_of({"text", "a &lt; b;\n  c", "&#32;", "\xc3\xa4"}); break;
-        case 2: text += one_of({"<![CDATA[ a < b\n ]]>", "<![CDATA[]]>", "<![CDATA[x]]>"}); break;
-        case 3: text += one_of({"<?pi?>", "<?pi a  b?>"}); break;
-        default: text += element(depth - 1);
+        case 0:
+          text += one_of({"<!-- c -->", "<!---->", "<!-- a\n  b\n-->", "<!--\n\t\tx\n\n y -->"});
+          break;
+        case 1:
+          text += one_of({"text", "a &lt; b;\n  c", "&#32;", "\xc3\xa4"});
+          break;
+        case 2:
+          text += one_of({"<![CDATA[ a < b\n ]]>", "<![CDATA[]]>", "<![CDATA[x]]>"});
+          break;
+        case 3:
+          text += one_of({"<?pi?>", "<?pi a  b?>"});
+          break;
+        default:
+          text += element(depth - 1);
       }
     }
     return text + blanks() + "</" + name + one_of({">", " >", "\n>"});
   };
   for (int i = 0; i < 2000; ++i) {
-    const std::string text = blanks() + one_of({"", "<!-- t -->"}) + blanks() + "<MVV>" + element(4) + blanks() + element(2) + "</MVV>" + blanks();
+    const std::string text = blanks() + one_of({"", "<!-- t -->"}) + blanks() + "<MVV>" + element(4) + blanks() +
+                             element(2) + "</MVV>" + blanks();
     check_keeps_everything(text);
   }
 }

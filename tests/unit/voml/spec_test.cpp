@@ -45,7 +45,8 @@ std::vector<ElementRow> element_table() {
   std::ifstream stream(DMVV_SOURCE_DIR "/spec/voml.md");
   std::vector<ElementRow> rows;
   std::string line;
-  while (std::getline(stream, line) && !line.starts_with("| element |")) {}
+  while (std::getline(stream, line) && !line.starts_with("| element |")) {
+  }
   std::getline(stream, line);
   while (std::getline(stream, line) && line.starts_with("|")) {
     std::vector<std::string> cells;
@@ -63,7 +64,9 @@ std::vector<ElementRow> element_table() {
 /// The codes of mistakes in a document of these parts.
 std::set<std::string> codes_in(const std::string& scene) {
   Diagnostics diagnostics;
-  read_scene("scene.voml", memory_files({{"scene.voml", scene}, {"o.voml", "<MVV><OBJECT name='O'><REGION name='R' type='empty'/></OBJECT></MVV>"}}),
+  read_scene("scene.voml",
+             memory_files({{"scene.voml", scene},
+                           {"o.voml", "<MVV><OBJECT name='O'><REGION name='R' type='empty'/></OBJECT></MVV>"}}),
              {}, diagnostics);
   std::set<std::string> codes;
   for (const Diagnostic& d : diagnostics.all()) codes.insert(std::string(info(d.code).number));
@@ -91,11 +94,15 @@ const std::map<std::string, std::string> places{
     {"SDF", "<MVV><OBJECT name='A'><SDF name='S' file='x.lxn'>%</SDF></OBJECT></MVV>"},
     {"SDF within MAPPINGS", "<MVV><OBJECT name='A'><MAPPINGS><SDF name='S'>%</SDF></MAPPINGS></OBJECT></MVV>"},
     {"REGION", "<MVV><OBJECT name='A'><REGION name='R' type='empty'>%</REGION></OBJECT></MVV>"},
-    {"INDEX", "<MVV><OBJECT name='A'><REGION name='R' type='empty'><INDEX size='1 1 1'>%</INDEX></REGION></OBJECT></MVV>"},
-    {"EMBEDDED", "<MVV><OBJECT name='A'><REGION name='R' type='empty'><EMBEDDED name='B'>%</EMBEDDED></REGION></OBJECT></MVV>"},
+    {"INDEX",
+     "<MVV><OBJECT name='A'><REGION name='R' type='empty'><INDEX size='1 1 1'>%</INDEX></REGION></OBJECT></MVV>"},
+    {"EMBEDDED",
+     "<MVV><OBJECT name='A'><REGION name='R' type='empty'><EMBEDDED name='B'>%</EMBEDDED></REGION></OBJECT></MVV>"},
     {"MAPPINGS", "<MVV><OBJECT name='A'><MAPPINGS>%</MAPPINGS></OBJECT></MVV>"},
-    {"POSITIVE", "<MVV><OBJECT name='A'><MAPPINGS><SDF name='S'><POSITIVE>%</POSITIVE></SDF></MAPPINGS></OBJECT></MVV>"},
-    {"NEGATIVE", "<MVV><OBJECT name='A'><MAPPINGS><SDF name='S'><NEGATIVE>%</NEGATIVE></SDF></MAPPINGS></OBJECT></MVV>"}};
+    {"POSITIVE",
+     "<MVV><OBJECT name='A'><MAPPINGS><SDF name='S'><POSITIVE>%</POSITIVE></SDF></MAPPINGS></OBJECT></MVV>"},
+    {"NEGATIVE",
+     "<MVV><OBJECT name='A'><MAPPINGS><SDF name='S'><NEGATIVE>%</NEGATIVE></SDF></MAPPINGS></OBJECT></MVV>"}};
 
 std::string put_into(const std::string& place, const std::string& element) {
   std::string scene = places.at(place);
