@@ -33,9 +33,9 @@ struct CompileOptions {
   /// program with a larger buffer, and all with 0, read them from storage buffers.
   std::uint32_t max_texel_buffer_elements = 0;
   std::uint32_t inlined_line_budget = 4000;  ///< beyond it, specialised code hands objects over to the generic walker
-  bool many_frames = false;                  ///< keep and make what pays for those who draw many: what proves verdicts,
-                                             ///< the kernel `leaders`, and stages (which take
-                             ///< longer to compile than one kernel); not for thesis, the latter not for table
+  /// The program will draw many frames. `compile` then also makes the judge that proves verdicts, the kernel `leaders`
+  /// and stages; it takes longer. Ignored for thesis; for table there are no stages.
+  bool many_frames = false;
   StageOptions stages;
   TapeOptions tapes;                         ///< `shorten` is what the pass says
   std::vector<std::string> disabled_passes;  ///< names of pass_names()
