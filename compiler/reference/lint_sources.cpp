@@ -8,9 +8,9 @@
 #include <glm/geometric.hpp>
 #include <queue>
 
-#include "compiler/passes/content.h"
 #include "compiler/snippet/probe_points.h"
 #include "compiler/snippet/rounding_doubt.h"
+#include "compiler/snippet/time_range.h"
 
 namespace dmvv::compiler {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "runtime/frame/scene_on_device.h"
-#include "runtime/runtime.h"
+#include "runtime/gpu/device.h"
 
 namespace dmvv::runtime {
 

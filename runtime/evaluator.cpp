@@ -1,4 +1,4 @@
-#include "runtime/frame/evaluator.h"
+#include "runtime/evaluator.h"
 
 namespace dmvv::runtime {
 
