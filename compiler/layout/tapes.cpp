@@ -21,6 +21,10 @@ using snippet::TimeSplit;
 /// Times at which a device reads what it may: none that a double can count in milliseconds is beyond.
 constexpr snippet::Interval all_times{-any_time_ms, any_time_ms};
 
+/// What a snippet may take in any case, for each of its steps: beyond 10,000 the shared budget ends before its tapes
+/// are short enough to draw a picture with.
+constexpr std::uint64_t most_work_a_step = 2000;
+
 /// As the shaders compare with it: in float32.
 std::vector<IsoRange> iso_ranges(const Module& module) {
   std::vector<std::optional<IsoRange>> ranges(module.functions.size());
@@ -82,8 +86,10 @@ class TapeMaker {
     const std::vector<IsoRange> isos = iso_ranges(module_);
     std::erase_if(candidates_, [&](Candidate& candidate) {
       const std::size_t i = candidate.function;
+      TapeOptions options = options_;
+      options.most_work = std::max(options.most_work, most_work_a_step * candidate.line.steps.size());
       candidate.cells =
-          shorten_for_cells(candidate.line, snippet::device_values(split(i), all_times), isos[i], options_);
+          shorten_for_cells(candidate.line, snippet::device_values(split(i), all_times), isos[i], options);
       const double walked = mean_steps(candidate.cells);
       const bool is_written = options_.shorten && size(i) <= options_.most_written &&
                               walked * options_.walking_cost > static_cast<double>(size(i));
