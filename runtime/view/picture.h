@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "voml/assets/mesh.h"
 
 namespace dmvv::runtime {
 

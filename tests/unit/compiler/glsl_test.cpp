@@ -1,6 +1,7 @@
 #include "compiler/glsl/generate_glsl.h"
 #include "compiler/glsl/glsl_text.h"
 #include "compiler/layout/flatten.h"
+#include "compiler/snippet/glsl_literal.h"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,6 @@
 // Verdicts are proofs: whatever is drawn at random in a decided cell, the reference says the same.
 #include "compiler/proofs/judge.h"
+#include "compiler/grids/sample.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

@@ -4,6 +4,7 @@
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 #include "compiler/ir/placements.h"
+#include "compiler/ir/rounding.h"
 #include "tests/support/scenes.h"
 
 using namespace dmvv;

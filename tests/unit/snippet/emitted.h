@@ -28,7 +28,7 @@ inline compiler::snippet::Program read_shader(const std::string& declarations, c
       "value;\n"
       "{}\nvoid main() {{ value = {}; }}\n",
       declarations, call);
-  const auto compiled = compiler::snippet::compile_vertex_shader(text);
+  const auto compiled = compiler::snippet::compile_vertex_shader(text, {}, {});
   for (const auto& error : compiled.errors) FAIL_CHECK(error.line << ": " << error.word << ": " << error.reason);
   REQUIRE_MESSAGE(compiled.errors.empty(), text);
   auto program = compiler::snippet::read_spirv(compiled.spirv);

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-using namespace dmvv::voml;
+using namespace dmvv;
 
 namespace {
 
