@@ -18,8 +18,7 @@ inline Program program_of(const std::string& body, const std::string& helpers = 
       fmt::format("#version 460\nlayout(location = 0) in vec3 p_in;\nlayout(location = 1) in float t_in;\n"
                   "layout(location = 0) out float f_out;\n{}\nfloat f(vec3 p, float t) {{\n{}\n}}\n"
                   "void main() {{ f_out = f(p_in, t_in); }}\n",
-                  helpers, body),
-      {});
+                  helpers, body));
   for (const LogEntry& error : compiled.errors) {
     throw std::runtime_error(fmt::format("{}: '{}' {} in:\n{}", error.line, error.word, error.reason, body));
   }
