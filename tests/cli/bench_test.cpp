@@ -74,7 +74,8 @@ TEST_CASE("a run that is stopped leaves what it measured, and says where it stoo
   const pid_t bench = start_dmvv({"bench", scene, "--quick", "--size", "64x64", "--json", path}, folder.file("err"));
   const auto measured = [&] {
     std::size_t count = 0;
-    for (const json& entry : json::parse(read_file(path))["runs"]) count += entry["failure"].is_null() ? 1 : 0;
+    const json so_far = json::parse(read_file(path));
+    for (const json& entry : so_far["runs"]) count += entry["failure"].is_null() ? 1 : 0;
     return count;
   };
   const auto has_measured = [&] {

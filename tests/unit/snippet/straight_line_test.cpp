@@ -97,7 +97,7 @@ TEST_CASE("what cannot be straight is refused with the reason") {
             .find("an array") == 0);
   CHECK(why("float s = p.x; for (int i = 0; i < 3000; ++i) for (int j = 0; j < 3000; ++j) s = sin(s + float(i * j)); "
             "return s;")
-            .find("65,536") != std::string::npos);
+            .find("262,144") != std::string::npos);
 }
 
 TEST_CASE("a line shortened for a box has the same values in it, a decided side holds, all bounds enclose") {
