@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "runtime/view/view.h"
+#include "runtime/view/picture.h"
 #include "tests/cli/program.h"
 #include "tests/cli/scenes.h"
 

@@ -1,7 +1,7 @@
 // dmvv info: figures that mathematics gives.
 #include <doctest/doctest.h>
 
-#include "runtime/view/view.h"
+#include "runtime/view/picture.h"
 #include "tests/cli/program.h"
 #include "tests/cli/scenes.h"
 
