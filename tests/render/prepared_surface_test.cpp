@@ -1,4 +1,4 @@
-// Pictures on a prepared that was prepared for them, for other ones, or not at all: the same to the bit.
+// Pictures on a surface that was prepared for them, for other ones, or not at all: the same to the bit.
 #include <doctest/doctest.h>
 
 #include <future>
@@ -36,7 +36,7 @@ const char* const ball =
 
 }  // namespace
 
-TEST_CASE("a prepared prepared changes no picture") {
+TEST_CASE("a prepared surface changes no picture") {
   const compiler::Program program = tests::compiled(tests::lowered(ball, {}), {});
   auto plain = runtime::Evaluator::create(device(), program).value();
   const runtime::View view = cut_open(0.1);
@@ -49,9 +49,9 @@ TEST_CASE("a prepared prepared changes no picture") {
   larger.cuts.clear();
   slice.slice = runtime::Plane{{0.0, 0.0, 1.0}, 0.1};
   for (const runtime::View& prepared : {view, larger, slice}) {
-    auto prepared = runtime::PreparedSurface::prepare_async(opened(), prepared).get();
-    REQUIRE(prepared);
-    auto evaluator = runtime::Evaluator::create(device(), program, nullptr, std::move(*prepared)).value();
+    auto surface = runtime::PreparedSurface::prepare_async(opened(), prepared).get();
+    REQUIRE(surface);
+    auto evaluator = runtime::Evaluator::create(device(), program, nullptr, std::move(*surface)).value();
     const auto got = evaluator.render(view);
     REQUIRE(got);
     CHECK(got->rgba == expected->rgba);
@@ -61,7 +61,7 @@ TEST_CASE("a prepared prepared changes no picture") {
   CHECK(device().validation_messages().empty());
 }
 
-TEST_CASE("what cannot be drawn is refused by the prepared as by the picture") {
+TEST_CASE("what cannot be drawn is refused by the surface as by the picture") {
   const compiler::Program program = tests::compiled(tests::lowered(ball, {}), {});
   auto plain = runtime::Evaluator::create(device(), program).value();
   voml::Mesh broken = voml::standard_cube();
@@ -70,17 +70,17 @@ TEST_CASE("what cannot be drawn is refused by the prepared as by the picture") {
   bad_mesh.mesh = &broken;
   bad_camera.camera.look = bad_camera.camera.eye;
   for (const runtime::View& view : {bad_mesh, bad_camera}) {
-    const auto prepared = runtime::PreparedSurface::prepare_async(opened(), view).get();
+    const auto surface = runtime::PreparedSurface::prepare_async(opened(), view).get();
     const auto picture = plain.render(view);
-    REQUIRE(!prepared);
+    REQUIRE(!surface);
     REQUIRE(!picture);
-    CHECK(prepared.error().message == picture.error().message);
+    CHECK(surface.error().message == picture.error().message);
   }
 }
 
-TEST_CASE("a device that cannot be opened leaves no prepared") {
+TEST_CASE("a device that cannot be opened leaves no surface") {
   const auto opening = runtime::Device::create_async({.name = "no such device"});
-  const auto prepared = runtime::PreparedSurface::prepare_async(opening, cut_open(0.1)).get();
-  REQUIRE(!prepared);
-  CHECK(prepared.error().message == opening.get().error().message);
+  const auto surface = runtime::PreparedSurface::prepare_async(opening, cut_open(0.1)).get();
+  REQUIRE(!surface);
+  CHECK(surface.error().message == opening.get().error().message);
 }
