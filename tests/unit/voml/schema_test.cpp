@@ -34,7 +34,11 @@ const std::set<std::string_view> structural{"E0002",  // not XML
 
 /// Fixtures that the schema refuses all the same, or lets pass.
 const std::map<std::string, std::string> exceptions{
-    {"E0205_not_finite.voml", "'nan' and 'inf' have not the form of a number; 1e39, of the same code, has"}};
+    {"E0003_latin1.voml", "no XML reader takes bytes that the declared encoding does not have"},
+    {"E0010_unknown.voml", "nor an encoding that it does not know"},
+    {"E0104_without_consequences.voml", "of a name defined twice, what follows from it is not reported"},
+    {"E0205_not_finite.voml", "'nan' and 'inf' have not the form of a number; 1e39, of the same code, has"},
+    {"W0010_contradicted.voml", "a declaration that the bytes contradict is a warning only here"}};
 
 std::vector<Tag> all_tags() {
   std::vector<Tag> tags;
@@ -218,13 +222,16 @@ std::vector<Variant> variants(const char* scene) {
   return result;
 }
 
-/// The structural codes that the parser reports.
+const std::string name_defined_twice = "E0104 ";
+
+/// The structural codes that the parser reports, and that of a name defined twice.
 std::string structural_codes(const std::string& scene) {
   Diagnostics diagnostics;
   read_scene("scene.voml", memory_files({{"scene.voml", scene}, {"other.voml", other_scene}}), {}, diagnostics);
   std::string codes;
   for (const Diagnostic& d : diagnostics.all()) {
-    if (structural.contains(info(d.code).number)) codes += std::string(info(d.code).number) + ' ';
+    const std::string number(info(d.code).number);
+    if (structural.contains(number) || number + ' ' == name_defined_twice) codes += number + ' ';
   }
   return codes;
 }
@@ -296,6 +303,8 @@ TEST_CASE("the parser and the schema judge alike: places, needed attributes, wha
   for (std::size_t i = 0; i < all.size(); ++i) {
     const std::string codes = structural_codes(all[i].text);
     refused += codes.empty() ? 0 : 1;
+    if (codes == name_defined_twice)
+      continue;  // what may be wrong with the structure as well is not reported beside it
     CHECK_MESSAGE(valid.contains(names[i]) == codes.empty(),
                   all[i].what << " (" << names[i] << "): the parser says '" << codes << "'");
   }
