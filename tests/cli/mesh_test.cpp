@@ -42,7 +42,7 @@ TEST_CASE("meshes of examples are closed, wound alike, and without triangles tha
   for (const char* name :
        {"shapes/shapes", "sticks/sticks", "library/red_blood_cell", "library/vessel", "library/cell"}) {
     CAPTURE(name);
-    const std::string scene = std::string(DMVV_SOURCE_DIR) + "/examples/" + name + ".voml", mesh = folder.file("a.ply");
+    const std::string scene = std::string(DMVV_BINARY_DIR) + "/examples/" + name + ".voml", mesh = folder.file("a.ply");
     const Run run = run_dmvv({"mesh", scene, "-o", mesh, "--resolution", "40"});
     CAPTURE(run.err);
     REQUIRE(run.exit_code == 0);
