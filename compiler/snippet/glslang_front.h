@@ -24,7 +24,6 @@ struct Compiled {
 
 /// Compiles a vertex shader: that stage knows neither derivatives nor discard. The text's literals are put back.
 /// `cache` is asked first, and told of what compiled.
-Compiled compile_vertex_shader(const std::string& glsl, const Literals& literals = {},
-                               const CodeCache& cache = {});
+Compiled compile_vertex_shader(const std::string& glsl, const Literals& literals = {}, const CodeCache& cache = {});
 
 }  // namespace dmvv::compiler::snippet
