@@ -421,7 +421,13 @@ struct IntervalDomain : IntegerIntervalOps {
   static Interval f_atanh(R a) {
     const bool outside = a.lo < -1.0 || a.hi > 1.0;
     const Interval inside{std::clamp(a.lo, -1.0, 1.0), std::clamp(a.hi, -1.0, 1.0), a.maybe_nan || outside};
-    return finish<Op::f_atanh>(rising(inside, [](double x) { return std::atanh(x); }));
+    Interval exact = rising(inside, [](double x) { return std::atanh(x); });
+    if (float32) {  // a device may come to what a neighbour of the pole has: SwiftShader's atanh(-1) is -44
+      const double largest = std::atanh(1.0 - 0x1p-24);
+      if (a.lo <= -1.0) exact.hi = larger(exact.hi, -largest);
+      if (a.hi >= 1.0) exact.lo = smaller(exact.lo, largest);
+    }
+    return finish<Op::f_atanh>(exact);
   }
 
   // ---- exponents ----

@@ -93,10 +93,10 @@ TEST_CASE("every filter and format gives what the reference reads from the same 
     CAPTURE(scene.name);
     for (const tests::Setting& setting : tests::grid_settings()) {
       CAPTURE(setting.name);
-      if (is_swiftshader && scene.name == "a tree of 24 decisions" &&
-          setting.options.filter == compiler::Filter::tricubic) {
-        MESSAGE(
-            "left out: SwiftShader's compiler ends the process on some 1,500 fetches in one kernel (spec/accuracy.md)");
+      const bool is_large =
+          scene.name == "a tree of 24 decisions" || scene.name == "seeds of a shape in chains of decisions";
+      if (is_swiftshader && is_large && setting.options.filter == compiler::Filter::tricubic) {
+        MESSAGE("left out: SwiftShader's compiler ends the process on large tricubic kernels (spec/accuracy.md)");
         continue;
       }
       auto passed = module;
