@@ -400,15 +400,15 @@ double Device::Impl::run(const std::function<void(const vk::raii::CommandBuffer&
   return 1e-6 * static_cast<double>(limits.timestampPeriod) * static_cast<double>(ticks);
 }
 
-vk::ImageMemoryBarrier color_barrier(const GpuImage& image, vk::ImageLayout from, vk::ImageLayout to,
-                                     vk::AccessFlags before, vk::AccessFlags after) {
+vk::ImageMemoryBarrier color_barrier(vk::Image image, vk::ImageLayout from, vk::ImageLayout to, vk::AccessFlags before,
+                                     vk::AccessFlags after) {
   return {.srcAccessMask = before,
           .dstAccessMask = after,
           .oldLayout = from,
           .newLayout = to,
           .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
           .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-          .image = *image.image,
+          .image = image,
           .subresourceRange = {.aspectMask = vk::ImageAspectFlagBits::eColor, .levelCount = 1, .layerCount = 1}};
 }
 

@@ -90,8 +90,12 @@ struct Device::Impl {
 Result<Device> create_without_extras(const DeviceOptions& options);
 
 /// The whole of a colour image changes its layout; `before` is made available and visible to `after`.
-vk::ImageMemoryBarrier color_barrier(const GpuImage& image, vk::ImageLayout from, vk::ImageLayout to,
-                                     vk::AccessFlags before, vk::AccessFlags after);
+vk::ImageMemoryBarrier color_barrier(vk::Image image, vk::ImageLayout from, vk::ImageLayout to, vk::AccessFlags before,
+                                     vk::AccessFlags after);
+inline vk::ImageMemoryBarrier color_barrier(const GpuImage& image, vk::ImageLayout from, vk::ImageLayout to,
+                                            vk::AccessFlags before, vk::AccessFlags after) {
+  return color_barrier(*image.image, from, to, before, after);
+}
 
 /// Calls `body` and turns what the driver or the C++ library throws into an error: "while <what>: ...".
 template <class Body>

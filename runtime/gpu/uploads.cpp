@@ -9,18 +9,6 @@ using Access = vk::AccessFlagBits;
 using Layout = vk::ImageLayout;
 using Stage = vk::PipelineStageFlagBits;
 
-vk::ImageMemoryBarrier layout_change(vk::Image image, Layout from, Layout to, vk::AccessFlags before,
-                                     vk::AccessFlags after) {
-  return {.srcAccessMask = before,
-          .dstAccessMask = after,
-          .oldLayout = from,
-          .newLayout = to,
-          .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-          .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-          .image = image,
-          .subresourceRange = {.aspectMask = vk::ImageAspectFlagBits::eColor, .levelCount = 1, .layerCount = 1}};
-}
-
 }  // namespace
 
 GpuBuffer Uploads::stage(std::span<const std::byte> bytes) {
@@ -51,13 +39,13 @@ void Uploads::finish() {
     for (const TextureCopy& copy : textures_) {
       commands.pipelineBarrier(
           Stage::eTopOfPipe, Stage::eTransfer, {}, nullptr, nullptr,
-          layout_change(copy.target, Layout::eUndefined, Layout::eTransferDstOptimal, {}, Access::eTransferWrite));
+          color_barrier(copy.target, Layout::eUndefined, Layout::eTransferDstOptimal, {}, Access::eTransferWrite));
       commands.copyBufferToImage(
           *copy.staging.buffer, copy.target, Layout::eTransferDstOptimal,
           vk::BufferImageCopy{.imageSubresource = {.aspectMask = vk::ImageAspectFlagBits::eColor, .layerCount = 1},
                               .imageExtent = copy.extent});
       commands.pipelineBarrier(Stage::eTransfer, Stage::eComputeShader, {}, nullptr, nullptr,
-                               layout_change(copy.target, Layout::eTransferDstOptimal, Layout::eShaderReadOnlyOptimal,
+                               color_barrier(copy.target, Layout::eTransferDstOptimal, Layout::eShaderReadOnlyOptimal,
                                              Access::eTransferWrite, Access::eShaderRead));
     }
     const vk::MemoryBarrier visible{.srcAccessMask = Access::eTransferWrite, .dstAccessMask = Access::eShaderRead};

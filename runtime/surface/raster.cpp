@@ -17,7 +17,6 @@
 #include <span>
 #include <utility>
 
-#include "runtime/gpu/pipeline_cache.h"
 #include "runtime/gpu/uploads.h"
 #include "spirv/raster_parts_comp.h"
 #include "spirv/raster_parts_long_comp.h"
@@ -99,28 +98,15 @@ vk::DescriptorType Rasteriser::descriptor_type(std::uint32_t binding) const {
 }
 
 Rasteriser::Rasteriser(const Device::Impl& gpu) : gpu_(gpu) {
-  std::array<vk::DescriptorSetLayoutBinding, DMVV_RASTER_BINDINGS> of_set;
-  std::array<vk::DescriptorPoolSize, DMVV_RASTER_BINDINGS> sizes;
-  for (std::uint32_t i = 0; i < DMVV_RASTER_BINDINGS; ++i) {
-    const vk::DescriptorType type = descriptor_type(i);
-    of_set[i] = {
-        .binding = i, .descriptorType = type, .descriptorCount = 1, .stageFlags = vk::ShaderStageFlagBits::eCompute};
-    sizes[i] = {type, 1};
-  }
-  set_layout_ = gpu_.device.createDescriptorSetLayout(vk::DescriptorSetLayoutCreateInfo{}.setBindings(of_set));
-  const vk::PushConstantRange step{vk::ShaderStageFlagBits::eCompute, 0, sizeof(std::uint32_t)};
-  layout_ = gpu_.device.createPipelineLayout(
-      vk::PipelineLayoutCreateInfo{}.setSetLayouts(*set_layout_).setPushConstantRanges(step));
+  std::vector<SetBinding> bindings;
+  for (std::uint32_t i = 0; i < DMVV_RASTER_BINDINGS; ++i) bindings.push_back({i, descriptor_type(i)});
+  set_layout_ = make_set_layout(gpu_, bindings);
+  layout_ = make_pipeline_layout(gpu_, std::array{*set_layout_}, sizeof(std::uint32_t));
+  set_ = DescriptorSet(gpu_, set_layout_, bindings);
   params_ = gpu_.make_buffer(sizeof(gpu::RasterParams), Usage::eUniformBuffer, MemoryUse::upload);
   parts_ = gpu_.make_buffer(part_header_bytes + part_bytes * DMVV_MOST_PARTS,
                             Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst, MemoryUse::device);
   part_count_ = gpu_.make_buffer(sizeof(std::uint32_t), Usage::eTransferDst, MemoryUse::readback);
-  pool_ = gpu_.device.createDescriptorPool(
-      vk::DescriptorPoolCreateInfo{.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, .maxSets = 1}
-          .setPoolSizes(sizes));
-  const vk::DescriptorSetLayout set_layout = *set_layout_;
-  set_ = std::move(gpu_.device.allocateDescriptorSets(
-      {.descriptorPool = *pool_, .descriptorSetCount = 1, .pSetLayouts = &set_layout})[0]);
 }
 
 void Rasteriser::set_extent(vk::Extent2D extent) {
@@ -192,19 +178,8 @@ Rasteriser::KernelKind Rasteriser::kernel_kind(const FrameSetup& setup) {
 }
 
 vk::raii::Pipeline Rasteriser::make_pipeline(std::span<const std::uint32_t> words, const KernelKind& kind) const {
-  const std::array<std::uint32_t, 2> values{kind.cuts, kind.counts};
-  const std::array entries{vk::SpecializationMapEntry{DMVV_RASTER_CUTS, 0, 4},
-                           vk::SpecializationMapEntry{DMVV_RASTER_COUNTS, 4, 4}};
-  const vk::SpecializationInfo constants{entries.size(), entries.data(), sizeof values, values.data()};
-  const vk::raii::ShaderModule module = gpu_.make_shader(words.data(), words.size());
-  const PipelineCache cache(gpu_, words);
-  auto made = gpu_.device.createComputePipeline(cache.handle(), {.stage = {.stage = vk::ShaderStageFlagBits::eCompute,
-                                                                           .module = *module,
-                                                                           .pName = "main",
-                                                                           .pSpecializationInfo = &constants},
-                                                                 .layout = *layout_});
-  cache.save();
-  return made;
+  static_assert(DMVV_RASTER_CUTS == 0 && DMVV_RASTER_COUNTS == 1);
+  return make_compute_pipeline(gpu_, words, layout_, std::array{kind.cuts, kind.counts});
 }
 
 Rasteriser::Code Rasteriser::code_for(const DeviceExtras& extras) {
@@ -237,21 +212,21 @@ void Rasteriser::write_runs(std::span<const DrawCall> calls) {
 }
 
 void Rasteriser::bind(const GpuImage& surface) {
-  const std::array buffers{&params_, &vertices_, &indices_, &runs_, &nearest_, &shells_, &parts_};
-  static_assert(buffers.size() == DMVV_RASTER_SURFACE);
-  const auto write = [&](std::uint32_t binding, vk::WriteDescriptorSet written) {
-    written.setDstSet(*set_).setDstBinding(binding).setDescriptorCount(1).setDescriptorType(descriptor_type(binding));
-    gpu_.device.updateDescriptorSets(written, nullptr);
+  const bool as_texels = gpu_.extras.large_texel_buffers;
+  const auto write_mesh = [&](std::uint32_t binding, const GpuBuffer& buffer, const vk::raii::BufferView& texels) {
+    if (as_texels)
+      set_.write(binding, texels);
+    else
+      set_.write(binding, buffer);
   };
-  for (std::uint32_t i = 0; i < buffers.size(); ++i) {
-    const vk::DescriptorBufferInfo info{*buffers[i]->buffer, 0, VK_WHOLE_SIZE};
-    const vk::BufferView view = i == DMVV_RASTER_VERTICES  ? *vertex_texels_
-                                : i == DMVV_RASTER_INDICES ? *index_texels_
-                                                           : nullptr;
-    write(i, {.pBufferInfo = &info, .pTexelBufferView = &view});
-  }
-  const vk::DescriptorImageInfo image{{}, *surface.view, Layout::eGeneral};
-  write(DMVV_RASTER_SURFACE, {.pImageInfo = &image});
+  set_.write(DMVV_RASTER_PARAMS, params_);
+  write_mesh(DMVV_RASTER_VERTICES, vertices_, vertex_texels_);
+  write_mesh(DMVV_RASTER_INDICES, indices_, index_texels_);
+  set_.write(DMVV_RASTER_RUNS, runs_);
+  set_.write(DMVV_RASTER_NEAREST, nearest_);
+  set_.write(DMVV_RASTER_SHELLS, shells_);
+  set_.write(DMVV_RASTER_PARTS, parts_);
+  set_.write(DMVV_RASTER_SURFACE, surface);
 }
 
 void Rasteriser::draw(const vk::raii::CommandBuffer& commands, const FrameSetup& setup, const Tile& tile,

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "runtime/gpu/gpu.h"
+#include "runtime/gpu/descriptors.h"
 #include "runtime/surface/clusters.h"
 #include "runtime/surface/surface.h"
 #include "runtime/view/frame_setup.h"
@@ -75,8 +75,7 @@ class Rasteriser {
   const Device::Impl& gpu_;
   vk::raii::DescriptorSetLayout set_layout_{nullptr};
   vk::raii::PipelineLayout layout_{nullptr};
-  vk::raii::DescriptorPool pool_{nullptr};
-  vk::raii::DescriptorSet set_{nullptr};
+  DescriptorSet set_;
   std::map<KernelKind, Pipelines> pipelines_;
   GpuBuffer params_, runs_, parts_, part_count_;
   vk::Extent2D extent_;
