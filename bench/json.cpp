@@ -89,12 +89,12 @@ Json run(const Measurement& m) {
   entry["point_ns"] = summary(m.point_ns);
   entry["upload_bytes"] = m.upload_bytes;
   entry["peak_bytes"] = m.peak_bytes;
-  entry["scene"] = {{"candidates", m.statistics.candidates},
-                    {"seeds", m.statistics.seeds},
-                    {"sdfs", m.statistics.sdfs},
-                    {"depth", m.statistics.depth},
-                    {"glsl_lines", m.statistics.glsl_lines},
-                    {"inlined_lines", m.statistics.inlined_lines}};
+  entry["scene"] = {{"candidates", m.statistics.scene.candidates},
+                    {"seeds", m.statistics.scene.seeds},
+                    {"sdfs", m.statistics.scene.sdfs},
+                    {"depth", m.statistics.scene.depth},
+                    {"glsl_lines", m.statistics.code.glsl_lines},
+                    {"inlined_lines", m.statistics.code.inlined_lines}};
   entry["errors"] = {{"points", regions(m.points)},
                      {"pixels", regions(m.pixels)},
                      {"differing_pixels", m.differing ? Json(*m.differing) : Json(nullptr)},

@@ -4,19 +4,19 @@
 #include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
 #include <numbers>
 
 #include "bench/memory.h"
 #include "bench/statistics.h"
 #include "bench/truth.h"
 #include "bench/workload.h"
-#include "runtime/calibrate.h"
 
 namespace dmvv::bench {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using compiler::Kernel;
+using compiler::Source;
 
 constexpr std::uint32_t largest_batch = 1u << 18;  // one dispatch of Evaluator::probe
 constexpr std::uint32_t cautious_batch = 1u << 14;
@@ -37,62 +37,72 @@ void add(std::vector<Step>& steps, const std::string& name, double ms) {
   }
 }
 
-/// Runs `body`, adds its time as a step and gives what it returns.
-template <class Body>
-auto timed(std::vector<Step>& steps, const char* name, Body body) {
-  const auto start = Clock::now();
-  auto result = body();
-  add(steps, name, since_ms(start));
-  return result;
-}
-
 double ms_of(const runtime::Timings& timings, std::string_view step) {
   double ms = 0.0;
   for (const runtime::Timing& timing : timings) ms += timing.step == step ? timing.ms : 0.0;
   return ms;
 }
 
-compiler::CompileOptions compile_options(const Settings& settings, const runtime::Device& device) {
+compiler::CompileOptions compile_options(const Settings& settings) {
   compiler::CompileOptions options;
   options.codegen = settings.codegen;
   options.atlas_format = settings.atlas;
   options.filter = settings.filter;
   options.disabled_passes = settings.disabled_passes;
   options.many_frames = settings.verdicts;
-  runtime::fit_to(device, options);
   return options;
 }
 
-struct Built {
-  compiler::Program program;
-  runtime::Evaluator evaluator;
+/// The steps of one build, as a session tells of them: what comes twice is added up.
+class BuildSteps {
+ public:
+  void begin() {
+    ms_.clear();
+    last_ = Clock::now();
+  }
+  void lap(const char* step) {
+    ms_[step] += since_ms(last_);
+    last_ = Clock::now();
+  }
+  void end(std::vector<Step>& steps) const {
+    for (const char* step : {"read", "compile", "SPIR-V"}) {
+      if (const auto found = ms_.find(step); found != ms_.end()) add(steps, step, found->second);
+    }
+  }
+
+ private:
+  std::map<std::string, double> ms_;
+  Clock::time_point last_ = Clock::now();
 };
 
-/// From text to the first picture (or, for Kernel::points, to an evaluator), as `dmvv render` does it.
-Result<Built> build(const SceneSource& source, const Settings& settings, Kernel kernel, const runtime::View* view,
-                    runtime::Device& device, bool is_first, std::vector<Step>& steps) {
+/// A case on a device of its own.
+struct Bench {
+  BuildSteps steps;
+  session::Session session;
+
+  explicit Bench(const session::Options& options) : session(options, [this](const char* step) { steps.lap(step); }) {}
+  Bench(const Bench&) = delete;
+};
+
+/// From text to an evaluator, as `dmvv render` goes; with a view to the first picture.
+Result<session::Loaded> build(Bench& bench, const SceneSource& source, const Settings& settings, Source points_of,
+                              const runtime::View* view, bool is_first, std::vector<Step>& steps) {
   Diagnostics diagnostics;
-  auto scene = timed(steps, "read", [&] {
-    return voml::read_scene(source.path, source.files, {source.root, false}, diagnostics);
-  });
+  runtime::Timings timings;
+  bench.steps.begin();
+  auto scene = bench.session.read({source.path, source.root, source.files}, diagnostics);
   if (!scene) return tl::unexpected(input_error(source.path, diagnostics));
-  auto program = timed(steps, "compile", [&]() -> std::optional<compiler::Program> {
-    auto module = compiler::lower(std::move(*scene), diagnostics);
-    if (!module) return std::nullopt;
-    return compiler::compile(std::move(*module), compile_options(settings, device), diagnostics);
-  });
-  if (!program) return tl::unexpected(input_error(source.path, diagnostics));
-  const auto made = timed(steps, "SPIR-V", [&] { return compiler::to_spirv(*program, kernel); });
-  if (!made) return tl::unexpected(made.error());
-  auto evaluator = timed(steps, "upload", [&] { return runtime::Evaluator::create(device, *program, nullptr); });
-  if (!evaluator) return tl::unexpected(evaluator.error());
+  auto loaded = bench.session.load(std::move(*scene), compile_options(settings), points_of, diagnostics, &timings);
+  if (!loaded && diagnostics.has_errors()) return tl::unexpected(input_error(source.path, diagnostics));
+  if (!loaded) return loaded;
+  bench.steps.end(steps);
+  add(steps, "upload", ms_of(timings, "upload"));
   if (view != nullptr) {
-    runtime::Timings timings;
-    const auto picture = evaluator->render(*view, &timings);
+    const auto picture = loaded->evaluator.render(*view, &timings);
     if (!picture) return tl::unexpected(picture.error());
     if (is_first) add(steps, "pipeline", ms_of(timings, "pipeline"));  // the driver knows it from then on
   }
-  return Built{std::move(*program), std::move(*evaluator)};
+  return loaded;
 }
 
 /// The view of a frame: the camera swings to and fro, or time goes on.
@@ -243,7 +253,7 @@ Result<void> time_points(runtime::Evaluator& evaluator, Truth& truth, const Effo
   return {};
 }
 
-Result<void> measure_on(runtime::Device& device, Truth& truth, Measurement& result) {
+Result<void> measure_on(Bench& bench, Truth& truth, Measurement& result) {
   const Case& what = result.what;
   runtime::View view = truth.view(what.size_px);
   view.samples = what.settings.samples;
@@ -256,17 +266,17 @@ Result<void> measure_on(runtime::Device& device, Truth& truth, Measurement& resu
 
   // ---- builds, the first with its memory ----
   const SceneSource source = what.settings.surface_alone ? empty_cube() : truth.source();
-  std::optional<Built> built;
+  std::optional<session::Loaded> built;
   for (std::uint32_t i = 0; i < std::max(1u, what.effort.builds); ++i) {
     built.reset();
     const PeakMemory memory;
-    auto made = build(source, what.settings, Kernel::pixels, &view, device, i == 0, result.steps);
+    auto made = build(bench, source, what.settings, Source::surface, &view, i == 0, result.steps);
     if (!made) return tl::unexpected(made.error());
     if (i == 0) result.peak_bytes = memory.bytes().value_or(0);
     built.emplace(std::move(*made));
   }
   result.statistics = built->program.statistics;
-  result.upload_bytes = result.statistics.buffer_bytes + result.statistics.texture_bytes;
+  result.upload_bytes = result.statistics.bytes.buffers + result.statistics.bytes.textures;
   if (view.slice) result.pixel_pitch = glm::length(runtime::slice_frame(*view.slice, view.size_px).step_x);
 
   // ---- pictures ----
@@ -279,8 +289,10 @@ Result<void> measure_on(runtime::Device& device, Truth& truth, Measurement& resu
 
   // ---- points ----
   if (what.effort.points == 0 && what.effort.probe_rounds == 0 && !what.shape) return {};
-  if (const auto made = compiler::to_spirv(built->program, Kernel::points); !made) return made;
-  auto evaluator = runtime::Evaluator::create(device, built->program);
+  if (const auto made = compiler::to_spirv(built->program, Source::points); !made) return made;
+  auto device = bench.session.device();
+  if (!device) return tl::unexpected(device.error());
+  auto evaluator = runtime::Evaluator::create(*device, built->program);
   if (!evaluator) return tl::unexpected(evaluator.error());
   built->evaluator = std::move(*evaluator);
   if (what.effort.points != 0) {
@@ -294,11 +306,11 @@ Result<void> measure_on(runtime::Device& device, Truth& truth, Measurement& resu
   return what.effort.probe_rounds != 0 ? time_points(built->evaluator, truth, what.effort, result) : Result<void>{};
 }
 
-Result<void> measure(const runtime::DeviceOptions& options, Truth& truth, Measurement& result) {
-  auto device = runtime::Device::create(options);
-  if (!device) return tl::unexpected(device.error());
-  auto done = measure_on(*device, truth, result);
-  result.validation_messages = device->validation_messages();
+Result<void> measure(const session::Options& options, Truth& truth, Measurement& result) {
+  Bench bench(options);
+  if (const auto device = bench.session.device(); !device) return tl::unexpected(device.error());
+  auto done = measure_on(bench, truth, result);
+  result.validation_messages = bench.session.validation_messages();
   return done;
 }
 
@@ -319,7 +331,7 @@ std::vector<double> samples_of(const Measurement& measurement, const std::string
   return found == measurement.steps.end() ? std::vector<double>{} : found->ms;
 }
 
-std::vector<Measurement> run_cases(const runtime::DeviceOptions& device, const std::vector<Case>& cases,
+std::vector<Measurement> run_cases(const session::Options& device, const std::vector<Case>& cases,
                                    const RunOptions& options) {
   const auto start = Clock::now();
   std::vector<Measurement> results;

@@ -8,6 +8,7 @@
 
 #include "bench/plan.h"
 #include "runtime/runtime.h"
+#include "session/session.h"
 
 namespace dmvv::bench {
 
@@ -74,9 +75,9 @@ struct RunOptions {
 };
 
 /// Runs the cases in order, one measurement each. A case that fails is a measurement with its reason. Cases that need
-/// distance grids are left out where a scene has none. Each case opens a device of its own: with `driver_cache` false
-/// none finds a pipeline that an earlier one has compiled.
-std::vector<Measurement> run_cases(const runtime::DeviceOptions& device, const std::vector<Case>& cases,
+/// distance grids are left out where a scene has none. Each case opens a device of its own, and
+/// `progress` may change what the driver finds in its cache.
+std::vector<Measurement> run_cases(const session::Options& device, const std::vector<Case>& cases,
                                    const RunOptions& options);
 
 }  // namespace dmvv::bench

@@ -18,6 +18,7 @@
 #include "compiler/ir/affine.h"
 #include "compiler/ir/legend.h"
 #include "compiler/layout/flatten.h"
+#include "compiler/program_file.h"
 #include "compiler/reference/reference.h"
 
 namespace dmvv::stress {
@@ -115,14 +116,14 @@ class Runner {
   // ---- machinery ----
 
   std::optional<compiler::Program> compiled(const compiler::Module& module, const compiler::CompileOptions& options,
-                                            compiler::Kernel kernel) {
+                                            compiler::Source source) {
     Diagnostics diagnostics;
     auto program = compiler::compile(module, options, diagnostics);
     if (!program) {
       if (!failed_) failed_ = Error{Fault::input, diagnostics.render(), {}};
       return std::nullopt;
     }
-    if (!ok(compiler::to_spirv(*program, kernel))) return std::nullopt;
+    if (!ok(compiler::to_spirv(*program, source))) return std::nullopt;
     return program;
   }
 
@@ -132,7 +133,7 @@ class Runner {
     const compiler::Reference reference(module);
     const auto legend = compiler::legend(module);
     for (const Form& form : forms()) {
-      const auto program = compiled(module, form.options, compiler::Kernel::points);
+      const auto program = compiled(module, form.options, compiler::Source::points);
       if (!program) return tally;
       auto evaluator = runtime::Evaluator::create(device_, *program);
       if (!ok(evaluator)) return tally;
@@ -282,7 +283,7 @@ void Runner::zooms() {
     const double scale = field / 16.0;
     const Lowered made = lowered(zoom_scene(scale));
     if (!made.module) return at_most("zoom", "a zooming camera", 1, 0, "refused scenes", made.messages);
-    const auto program = compiled(*made.module, {}, compiler::Kernel::pixels);
+    const auto program = compiled(*made.module, {}, compiler::Source::surface);
     if (!program) return;
     auto evaluator = runtime::Evaluator::create(device_, *program);
     if (!ok(evaluator)) return;
@@ -533,18 +534,6 @@ void Runner::structures() {
 
 // ---- determinism ----
 
-/// Everything a program is, as bytes.
-std::string bytes_of(const compiler::Program& program) {
-  std::string all = program.glsl[0] + program.glsl[1] + compiler::records_text(program);
-  for (const auto& spirv : program.spirv) all.append(reinterpret_cast<const char*>(spirv.data()), 4 * spirv.size());
-  for (const auto& buffer : program.buffers)
-    all.append(reinterpret_cast<const char*>(buffer.bytes.data()), buffer.bytes.size());
-  for (const auto& texture : program.textures) {
-    all.append(reinterpret_cast<const char*>(texture.texels.data()), texture.texels.size());
-  }
-  return all;
-}
-
 void Runner::determinism() {
   StressScene scene = deep_chain(5, 0.6);
   scene.text.insert(
@@ -565,9 +554,9 @@ void Runner::determinism() {
     for (const char* threads : {"", "", "1", "2"}) {
       const Lowered made = lowered(scene);
       if (!made.module) return at_most("determinism", "a scene", 1, 0, "refused scenes", made.messages);
-      const auto program = compiled(*made.module, form.options, compiler::Kernel::pixels);
+      const auto program = compiled(*made.module, form.options, compiler::Source::surface);
       if (!program) return;
-      const std::string now = bytes_of(*program);
+      const std::string now = compiler::write_program(*program);
       if (!bytes.empty() && now != bytes) ++different_bytes;
       bytes = now;
       std::optional<runtime::Device> own;

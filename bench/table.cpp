@@ -205,7 +205,7 @@ std::string thesis(const Report& report) {
     for (const Measurement& m : report.measurements) {
       if (!fine(m, "thesis") || m.what.series != scene) continue;
       figures = &*m.what.thesis;
-      table.add({fmt::format("{}, {}", scene, m.what.variant), fmt::format("{}", m.statistics.candidates),
+      table.add({fmt::format("{}, {}", scene, m.what.variant), fmt::format("{}", m.statistics.scene.candidates),
                  number(1e-3 * m.build_ms()), number(1e3 / median(m.frame_ms)), fraction(m.points),
                  fraction(m.pixels)});
     }

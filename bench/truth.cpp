@@ -41,7 +41,9 @@ Result<std::unique_ptr<Truth>> Truth::create(const SceneSource& source) {
 }
 
 Truth::Truth(SceneSource source, compiler::Module module, voml::Mesh mesh)
-    : source_(std::move(source)), module_(std::move(module)), mesh_(std::move(mesh)) {}
+    : source_(std::move(source)),
+      module_(std::move(module)),
+      mesh_(std::make_shared<const voml::Mesh>(std::move(mesh))) {}
 
 Truth::Known& Truth::known(compiler::Filter filter) {
   const bool is_tricubic = filter == compiler::Filter::tricubic;
@@ -57,11 +59,11 @@ Truth::Known& Truth::known(compiler::Filter filter) {
 runtime::View Truth::view(glm::uvec2 size_px) const {
   runtime::View view;
   view.size_px = size_px;
-  view.mesh = &mesh_;
+  view.mesh = mesh_;
   view.cuts = source_.cuts;
   view.slice = source_.slice;
   view.time_ms = source_.time_ms;
-  view.camera = source_.camera ? *source_.camera : runtime::default_camera(voml::bounds(mesh_), size_px, view.cuts);
+  view.camera = source_.camera ? *source_.camera : runtime::default_camera(voml::bounds(*mesh_), size_px, view.cuts);
   view.camera.fov_deg /= source_.zoom;
   return view;
 }
@@ -84,7 +86,7 @@ Answers Truth::ask(const std::vector<glm::dvec3>& points, compiler::Filter filte
 
 const std::vector<glm::dvec3>& Truth::points(std::size_t count) {
   if (points_.size() != count) {
-    const voml::Bounds box = voml::bounds(mesh_);
+    const voml::Bounds box = voml::bounds(*mesh_);
     Random random(1);
     points_.clear();
     for (std::size_t i = 0; i < count; ++i) points_.push_back(random.point(box.lo, box.hi));

@@ -23,7 +23,7 @@ class Truth {
   static Result<std::unique_ptr<Truth>> create(const SceneSource& source);
 
   const SceneSource& source() const { return source_; }
-  const voml::Mesh& mesh() const { return mesh_; }
+  const voml::Mesh& mesh() const { return *mesh_; }
   bool has_grids() const { return !module_.grids.empty(); }
   runtime::View view(glm::uvec2 size_px) const;
 
@@ -41,7 +41,7 @@ class Truth {
 
   SceneSource source_;
   compiler::Module module_;
-  voml::Mesh mesh_;
+  std::shared_ptr<const voml::Mesh> mesh_;
   /// For a filter's meaning: trilinear, tricubic.
   struct Known {
     std::optional<compiler::Reference> reference;

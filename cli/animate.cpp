@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "base/content_hash.h"
+#include "base/text.h"
 #include "cli/commands.h"
 #include "cli/encoder.h"
 #include "cli/frame_folder.h"
@@ -20,7 +21,7 @@
 #include "cli/outputs.h"
 #include "cli/progress.h"
 #include "cli/view_options.h"
-#include "runtime/calibrate.h"
+#include "session/timeline.h"
 
 namespace dmvv::cli {
 namespace {
@@ -49,7 +50,7 @@ struct Clip {
 
 /// What is to be made, known before the scene is.
 struct Plan {
-  FrameTimes times;
+  session::Timeline times;
   std::uint32_t count;
   FrameRange range;
   FrameNames names;
@@ -77,11 +78,7 @@ int stopped(const Context& context) {
 
 // --- what the options say
 
-std::string ending_of(const std::string& path) {
-  std::string ending = fs::path(path).extension().string();
-  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
-}
+std::string ending_of(const std::string& path) { return lower_case(fs::path(path).extension().string()); }
 
 std::optional<Clip> plan_clip(const AnimateOptions& options, glm::uvec2 size_px) {
   const std::string ending = ending_of(options.output);
@@ -100,7 +97,7 @@ std::optional<Clip> plan_clip(const AnimateOptions& options, glm::uvec2 size_px)
 
 Plan make_plan(const AnimateOptions& options, glm::uvec2 size_px) {
   Outputs().announce(options.output, {".mp4", ".webm", ".png"});
-  const auto times = make_frame_times(options.from_ms, options.to_ms, options.fps);
+  const auto times = session::make_timeline(options.from_ms, options.to_ms, options.fps);
   if (!times) fail_usage(times.error().message, times.error().reasons);
   const std::uint32_t count = times->count();
   const FrameRange range = options.frames.empty() ? FrameRange{0, count - 1}
@@ -275,18 +272,14 @@ int animate(const AnimateOptions& options, Context& context) {
   const Plan plan = make_plan(options, view.size_px);
   form.many_frames = plan.range.last > plan.range.first;
 
-  OpeningDevice opening = begin_device(options.device);
+  session::Session session = make_session(options.device, context);
   Diagnostics diagnostics(options.scene.strict);
   ContentHash scene_hash, mesh_hash;
-  voml::Scene scene = read_scene(options.scene, context, diagnostics, hashing(disk_files(), scene_hash));
-  const std::optional<voml::Mesh> mesh =
-      place_camera(view, options.view, hashing(disk_files(), mesh_hash), context, diagnostics);
-  if (mesh) view.mesh = &*mesh;
-  runtime::Device device = await_device(opening, context);
-  if (form.codegen == compiler::Codegen::automatic) {  // many frames pay for it
-    runtime::calibrate(device);
-    context.stopwatch.lap("calibrate");
-  }
+  voml::Scene scene = must(session.read(scene_file(options.scene, hashing(disk_files(), scene_hash)), diagnostics),
+                           diagnostics, context);
+  place_camera(view, options.view, hashing(disk_files(), mesh_hash), context, diagnostics);
+  const runtime::Device device = must(session.device());
+  if (form.codegen == compiler::Codegen::automatic) must(session.calibrate());  // many frames pay for it
 
   FrameFolder folder(plan.names, view.size_px,
                      make_manifest(options, plan, view, scene_hash.text(), mesh_hash.text(), device.info()));
@@ -299,16 +292,15 @@ int animate(const AnimateOptions& options, Context& context) {
   }
   context.stopwatch.lap("resume");
 
-  auto preparing = runtime::PreparedSurface::prepare_async(opening.device, view);
-  const compiler::Program program = compile(lower(std::move(scene), context, diagnostics, opening.code), form,
-                                            compiler::Kernel::pixels, &device, context, diagnostics, opening.code);
+  session.prepare_surface(view);
   runtime::Timings timings;
-  auto evaluator = must(runtime::Evaluator::create(device, program, &timings, await_surface(preparing, context)));
+  runtime::Evaluator evaluator =
+      load(session, std::move(scene), form, compiler::Source::surface, context, diagnostics, &timings).evaluator;
   context.stopwatch.lap(timings, "other");
 
   notice_signals();
   draw_frames(evaluator, view, plan, frames, folder, options, context);
-  if (const int exit_code = exit_code_of(device.validation_messages()); exit_code != exit_done) return exit_code;
+  if (const int exit_code = exit_code_of(session.validation_messages()); exit_code != exit_done) return exit_code;
   if (stop_signal != 0) return stopped(context);
   if (plan.clip && options.frames.empty()) {
     const int exit_code = make_clip(plan, view.size_px, folder, options, context);

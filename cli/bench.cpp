@@ -15,6 +15,7 @@
 #include "bench/gnuplot.h"
 #include "bench/stress.h"
 #include "cli/commands.h"
+#include "cli/driver_cache.h"
 #include "cli/outputs.h"
 #include "cli/progress.h"
 #include "cli/view_options.h"
@@ -187,9 +188,13 @@ int bench_command(const BenchOptions& options, Context& context) {
   const bench::Plan plan = bench::make_plan(plan_of);
 
   // The driver's cache begins empty: a pipeline that an earlier run compiled would cost nothing.
-  const runtime::DeviceOptions opening{
-      .name = options.device.name, .validation = options.device.validation, .driver_cache = options.driver_cache};
-  runtime::Device device = must(runtime::Device::create(opening));
+  const auto forget_pipelines = [&] {
+    if (!options.driver_cache) empty_driver_cache();
+  };
+  forget_pipelines();
+  const session::Options opening{
+      .device = options.device.name, .validation = options.device.validation, .caches = false};
+  runtime::Device device = must(session::Session(opening).device());
   context.stopwatch.lap("device");
   GrowingReport growing(options, plan.cases);
   bench::Report& report = growing.report();
@@ -207,6 +212,7 @@ int bench_command(const BenchOptions& options, Context& context) {
                    : options.scenes.empty() && options.set == "standard" ? budget_s
                                                                          : 0.0;
     run.progress = [&](const bench::Case& next) {
+      forget_pipelines();
       progress.begin(++step, next.id);
       growing.begin(step);
     };

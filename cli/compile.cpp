@@ -13,15 +13,14 @@
 #include "cli/options.h"
 #include "cli/outputs.h"
 #include "compiler/layout/flatten.h"
+#include "compiler/program_file.h"
 
 namespace dmvv::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 6> dump_words{"module", "glsl", "spirv", "records", "atlas", "stats"};
-constexpr std::array<std::pair<compiler::Kernel, std::string_view>, 2> kernels{
-    {{compiler::Kernel::points, "points"}, {compiler::Kernel::pixels, "pixels"}}};
+constexpr std::array<std::string_view, 7> dump_words{"module", "glsl", "spirv", "records", "atlas", "stats", "program"};
 
 struct CompileOptions {
   SceneOptions scene;
@@ -29,6 +28,7 @@ struct CompileOptions {
   CodegenChoice codegen;
   std::string folder;
   std::vector<std::string> dump;
+  bool many_frames = false;
 };
 
 std::set<std::string> parse_dump(const std::vector<std::string>& words) {
@@ -109,13 +109,20 @@ class Dump {
   std::vector<std::string> names_;
 };
 
+/// "pixels", or "pixels.stage_2".
+std::string name_of_shader(const compiler::Kernel& kernel, std::size_t stage) {
+  return kernel.is_staged() ? fmt::format("{}.stage_{}", kernel.spec.name, stage) : std::string(kernel.spec.name);
+}
+
 void dump_program(Dump& dump, const std::set<std::string>& words, const compiler::Program& program) {
-  for (const auto& [kernel, name] : kernels) {
-    const auto k = static_cast<std::size_t>(kernel);
-    if (words.contains("glsl")) dump.add(fmt::format("{}.comp", name), program.glsl[k]);
-    if (words.contains("spirv")) {
-      dump.add(fmt::format("{}.spv", name), bytes_of(program.spirv[k]));
-      dump.add(fmt::format("{}.spvasm", name), must(disassemble(program.spirv[k])));
+  for (const compiler::Kernel& kernel : program.kernels) {
+    for (std::size_t stage = 0; stage < kernel.shaders.size(); ++stage) {
+      const compiler::Shader& shader = kernel.shaders[stage];
+      const std::string name = name_of_shader(kernel, stage);
+      if (words.contains("glsl")) dump.add(name + ".comp", shader.glsl);
+      if (!words.contains("spirv")) continue;
+      dump.add(name + ".spv", bytes_of(shader.spirv));
+      dump.add(name + ".spvasm", must(disassemble(shader.spirv)));
     }
   }
   if (words.contains("records")) {
@@ -127,25 +134,27 @@ void dump_program(Dump& dump, const std::set<std::string>& words, const compiler
     for (const compiler::Texture& texture : program.textures) dump.add_texture(texture);
   }
   if (words.contains("stats")) dump.add("stats.txt", statistics_text(program));
+  if (words.contains("program")) dump.add("program.dmvv", compiler::write_program(program));
 }
 
 int run_compile(const CompileOptions& options, Context& context) {
   const std::set<std::string> words = parse_dump(options.dump);
-  const compiler::CompileOptions form = compile_options(options.codegen);
+  compiler::CompileOptions form = compile_options(options.codegen);
+  form.many_frames = options.many_frames;
   Folder folder(options.folder);
 
   Diagnostics diagnostics(options.scene.strict);
-  compiler::Module module = lower(read_scene(options.scene, context, diagnostics), context, diagnostics);
+  session::Session session =
+      options.device.name.empty() ? make_session(context) : make_session(options.device, context);
+  compiler::Module module = read_module(session, options.scene, context, diagnostics);
   const std::string module_text = words.contains("module") ? compiler::to_text(module) : "";
   // A device named here lends its limits; without one, those that every Vulkan 1.2 GPU keeps hold.
-  std::optional<runtime::Device> device;
-  if (!options.device.name.empty()) {
-    OpeningDevice opening = begin_device(options.device);
-    device = await_device(opening, context);
-  }
-  compiler::Program program = compile(std::move(module), form, {}, device ? &*device : nullptr, context, diagnostics);
-  if (words.contains("spirv")) {
-    for (const auto& [kernel, name] : kernels) must(compiler::to_spirv(program, kernel));
+  if (!options.device.name.empty()) must(session.device());
+  compiler::Program program = must(session.build(std::move(module), form, diagnostics), diagnostics, context).program;
+  print_diagnostics(diagnostics, context);
+  if (words.contains("spirv") || words.contains("program")) {
+    for (const auto source : {compiler::Source::points, compiler::Source::surface})
+      must(compiler::to_spirv(program, source));
     context.stopwatch.lap("SPIR-V");
   }
 
@@ -158,7 +167,7 @@ int run_compile(const CompileOptions& options, Context& context) {
   if (!context.quiet) {
     const compiler::Statistics& s = program.statistics;
     print_result(fmt::format("{}: {} files; {} lines of GLSL, {} bytes of buffers, {} bytes of textures\n",
-                             options.folder, dump.count(), s.glsl_lines, s.buffer_bytes, s.texture_bytes));
+                             options.folder, dump.count(), s.code.glsl_lines, s.bytes.buffers, s.bytes.textures));
   }
   return exit_done;
 }
@@ -176,6 +185,8 @@ void add_compile(CLI::App& app, Invocation& invocation) {
       ->type_name("WORDS")
       ->delimiter(',')
       ->allow_extra_args(false);
+  command.add_flag("--many-frames", options->many_frames,
+                   "With the kernels that pay for many frames, as animate compiles a scene");
   add_codegen_options(command, options->codegen);
   command
       .add_option("--device", options->device.name, "Compile for the limits of the Vulkan device whose name holds NAME")

@@ -126,9 +126,11 @@ std::string statistics_text(const compiler::Program& program) {
       "glsl_lines      {}\n"
       "inlined_lines   {}\n"
       "stages          {}\n",
-      name_of(program.codegen), s.objects, s.sdfs, s.nodes, s.regions, s.candidates, s.seeds, s.depth, s.buffer_bytes,
-      s.texture_bytes, s.atlas_fill, s.glsl_lines, s.inlined_lines, s.stages);
-  for (const std::string& object : s.object_codegen) result += fmt::format("object          {}\n", object);
+      name_of(program.codegen), s.scene.objects, s.scene.sdfs, s.scene.nodes, s.scene.regions, s.scene.candidates,
+      s.scene.seeds, s.scene.depth, s.bytes.buffers, s.bytes.textures, s.bytes.atlas_fill, s.code.glsl_lines,
+      s.code.inlined_lines, s.code.stages);
+  for (const compiler::ObjectForm& object : s.objects)
+    result += fmt::format("object          {}: {}\n", object.object, object.form);
   for (const std::string& tape : s.tapes) result += fmt::format("tape            {}\n", tape);
   return result;
 }

@@ -15,10 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double rounding_frames = 1e-6;
-
-double span_frames(const FrameTimes& times) { return (times.to_ms - times.from_ms) * times.fps / 1000.0; }
-
 std::optional<std::uint32_t> parse_number(std::string_view text) {
   std::uint32_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -68,27 +64,6 @@ bool is_header_of(std::string_view chunk, glm::uvec2 size_px) {
 }
 
 }  // namespace
-
-std::uint32_t FrameTimes::count() const {
-  return static_cast<std::uint32_t>(std::max(1.0, std::ceil(span_frames(*this) - rounding_frames)));
-}
-
-double FrameTimes::time_ms(std::uint32_t frame) const { return from_ms + frame * 1000.0 / fps; }
-
-Result<FrameTimes> make_frame_times(double from_ms, double to_ms, double fps) {
-  const FrameTimes times{from_ms, to_ms, fps};
-  if (!std::isfinite(from_ms) || !std::isfinite(to_ms)) return fail(Fault::input, "--from and --to must be finite");
-  if (!(to_ms > from_ms)) {
-    return fail(Fault::input, fmt::format("--to ({}) must lie after --from ({})", to_ms, from_ms));
-  }
-  if (!std::isfinite(fps) || fps <= 0) return fail(Fault::input, fmt::format("--fps: {} is not above zero", fps));
-  if (!(span_frames(times) <= FrameTimes::max_count)) {
-    return fail(Fault::input,
-                fmt::format("{:.4g} frames are more than the {} there can be", span_frames(times), times.max_count),
-                {"choose a shorter span or a smaller --fps"});
-  }
-  return times;
-}
 
 Result<FrameRange> parse_frame_range(std::string_view text, std::uint32_t count) {
   const std::size_t dash = text.find('-');

@@ -1,4 +1,4 @@
-// The frames of an animation: how many, when, under which names, and whether a file holds one whole. Pure but for the
+// The frames of an animation: under which names, and whether a file holds one whole. Pure but for the
 // last. The rules stand in spec/animate.md.
 #pragma once
 
@@ -11,22 +11,6 @@
 #include "base/result.h"
 
 namespace dmvv::cli {
-
-/// Frames at even distances in [from, to). All values are finite, to > from, fps > 0, at most max_count frames.
-struct FrameTimes {
-  static constexpr std::uint32_t max_count = 10'000'000;
-
-  double from_ms;
-  double to_ms;
-  double fps;
-
-  /// ceil((to - from) * fps / 1000), at least 1; a frame within a millionth of a frame of `to` is not there, so that
-  /// rounding adds none.
-  std::uint32_t count() const;
-  /// from + i * 1000 / fps
-  double time_ms(std::uint32_t frame) const;
-};
-Result<FrameTimes> make_frame_times(double from_ms, double to_ms, double fps);
 
 /// Frames first to last, both included.
 struct FrameRange {

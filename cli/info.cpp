@@ -205,17 +205,17 @@ std::string program_text(const compiler::Inventory& inventory, std::uint32_t lin
   const compiler::Statistics& s = program.statistics;
   const bool specialised = program.codegen != compiler::Codegen::table;
   line("code",
-       fmt::format("{} lines of GLSL{}", s.glsl_lines,
-                   specialised ? fmt::format("; {} when inlined, {} allowed", s.inlined_lines, line_budget) : ""));
-  std::size_t values = 0;
-  for (const compiler::TimeFunction& f : program.time_functions) values += f.snippet.time_value_count();
-  line("time", program.time_functions.empty() ? "none: the scene is static" : plural(values, "value") + " a frame");
+       fmt::format("{} lines of GLSL{}", s.code.glsl_lines,
+                   specialised ? fmt::format("; {} when inlined, {} allowed", s.code.inlined_lines, line_budget) : ""));
+  line("time", program.time_slots.empty() ? "none: the scene is static"
+                                          : plural(program.time_slots.size(), "value") + " a frame");
   std::vector<std::string> parts;
   for (const compiler::Buffer& b : program.buffers) parts.push_back(b.name + ' ' + memory(b.bytes.size()));
-  line("buffers", memory(s.buffer_bytes) + (parts.empty() ? "" : fmt::format(": {}", fmt::join(parts, ", "))));
+  line("buffers", memory(s.bytes.buffers) + (parts.empty() ? "" : fmt::format(": {}", fmt::join(parts, ", "))));
   for (const compiler::Texture& t : program.textures) {
-    line(t.name, fmt::format("{} x {} x {}, {}{}", t.extent.x, t.extent.y, t.extent.z, memory(t.texels.size()),
-                             t.name == "grid_atlas" ? fmt::format(", {:.0f} % in use", 100.0 * s.atlas_fill) : ""));
+    line(t.name,
+         fmt::format("{} x {} x {}, {}{}", t.extent.x, t.extent.y, t.extent.z, memory(t.texels.size()),
+                     t.name == "grid_atlas" ? fmt::format(", {:.0f} % in use", 100.0 * s.bytes.atlas_fill) : ""));
   }
   return text;
 }
@@ -226,9 +226,10 @@ int info_scene(const InfoOptions& options, Context& context) {
     fail_usage("--codegen: info knows auto, specialised and table", {"dmvv compile --dump stats tells about thesis"});
   }
   Diagnostics diagnostics(options.file.strict);
-  const voml::Scene scene = read_scene(options.file, context, diagnostics);
+  session::Session session = make_session(context);
+  const voml::Scene scene = must(session.read(scene_file(options.file), diagnostics), diagnostics, context);
   // A cycle is refused before the tree is printed: lower first.
-  compiler::Module module = lower(scene, context, diagnostics);
+  compiler::Module module = must(session.lower(scene, diagnostics), diagnostics, context);
   const std::string counts = module_text(module);
   const auto inventory = compiler::take_inventory(std::move(module), form, diagnostics);
   context.stopwatch.lap("compile");

@@ -27,14 +27,11 @@ int mesh(const MeshOptions& options, Context& context) {
   Outputs outputs;
   outputs.announce(options.mesh, {".ply"});
 
-  OpeningDevice opening = begin_device(options.device);
+  session::Session session = make_session(options.device, context);
   Diagnostics diagnostics(options.scene.strict);
-  voml::Scene scene = read_scene(options.scene, context, diagnostics);
-  compiler::Module module = lower(std::move(scene), context, diagnostics, opening.code);
-  runtime::Device device = await_device(opening, context);
-  const compiler::Program program =
-      compile(std::move(module), form, compiler::Kernel::points, &device, context, diagnostics, opening.code);
-  auto evaluator = must(runtime::Evaluator::create(device, program));
+  voml::Scene scene = must(session.read(scene_file(options.scene), diagnostics), diagnostics, context);
+  runtime::Evaluator evaluator =
+      load(session, std::move(scene), form, compiler::Source::points, context, diagnostics).evaluator;
   const auto inside = [&](std::span<const glm::dvec3> points) -> Result<std::vector<char>> {
     const auto answers = evaluator.probe(points, options.time_ms);
     if (!answers) return tl::unexpected<Error>(answers.error());
@@ -49,7 +46,7 @@ int mesh(const MeshOptions& options, Context& context) {
                fmt::format("'{}' is empty at every point that was looked at", options.scene.path),
                {"a finer --resolution finds smaller things"}});
   }
-  if (const int exit_code = exit_code_of(device.validation_messages()); exit_code != exit_done) return exit_code;
+  if (const int exit_code = exit_code_of(session.validation_messages()); exit_code != exit_done) return exit_code;
   outputs.write_bytes(options.mesh, write_ply(surface));
   outputs.commit();
   context.stopwatch.lap("write");

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/calibrate.h"
+#include "cli/driver_cache.h"
 
 namespace dmvv::cli {
 namespace {
@@ -116,53 +116,34 @@ compiler::CompileOptions compile_options(const CodegenChoice& choice) {
   return options;
 }
 
-voml::Scene read_scene(const SceneOptions& options, Context& context, Diagnostics& diagnostics, const ReadFile& files) {
-  auto scene = voml::read_scene(options.path, files, {options.root, false}, diagnostics);
-  context.stopwatch.lap("read");
-  if (!scene) stop_with(diagnostics, context);
-  return std::move(*scene);
+session::Session make_session(Context& context) {
+  return session::Session({.device = "", .validation = false, .caches = false},
+                          [&context](const char* step) { context.stopwatch.lap(step); });
 }
 
-compiler::Module lower(voml::Scene scene, Context& context, Diagnostics& diagnostics,
-                       const compiler::CodeCache& cache) {
-  auto module = compiler::lower(std::move(scene), diagnostics, {.check_everything = false, .cache = cache});
-  context.stopwatch.lap("compile");
-  if (!module) stop_with(diagnostics, context);
-  return std::move(*module);
+session::Session make_session(const DeviceChoice& choice, Context& context) {
+  if (choice.no_cache) empty_driver_cache();
+  session::Session session({.device = choice.name, .validation = choice.validation, .caches = !choice.no_cache},
+                           [&context](const char* step) { context.stopwatch.lap(step); });
+  session.open_device();
+  return session;
 }
 
-compiler::Program compile(compiler::Module module, compiler::CompileOptions options,
-                          std::optional<compiler::Kernel> kernel, const runtime::Device* device, Context& context,
-                          Diagnostics& diagnostics, const compiler::CodeCache& cache) {
-  if (device) runtime::fit_to(*device, options);
-  auto program = compiler::compile(std::move(module), options, diagnostics);
-  context.stopwatch.lap("compile");
-  if (!program) stop_with(diagnostics, context);
+session::SceneFile scene_file(const SceneOptions& options, const ReadFile& files) {
+  return {options.path, options.root, files};
+}
+
+compiler::Module read_module(session::Session& session, const SceneOptions& options, Context& context,
+                             Diagnostics& diagnostics) {
+  voml::Scene scene = must(session.read(scene_file(options), diagnostics), diagnostics, context);
+  return must(session.lower(std::move(scene), diagnostics), diagnostics, context);
+}
+
+session::Loaded load(session::Session& session, voml::Scene scene, const compiler::CompileOptions& form,
+                     compiler::Source source, Context& context, Diagnostics& diagnostics, runtime::Timings* timings) {
+  auto loaded = must(session.load(std::move(scene), form, source, diagnostics, timings), diagnostics, context);
   print_diagnostics(diagnostics, context);
-  if (kernel) {
-    must(compiler::to_spirv(*program, *kernel, cache));
-    context.stopwatch.lap("SPIR-V");
-  }
-  return std::move(*program);
-}
-
-OpeningDevice begin_device(const DeviceChoice& choice) {
-  const std::string folder = choice.no_cache ? std::string() : runtime::DiskCache::user_folder();
-  const auto cache = folder.empty() ? nullptr : std::make_shared<const runtime::DiskCache>(folder);
-  return {runtime::Device::create_async({choice.name, choice.validation, !choice.no_cache, cache}),
-          runtime::code_cache(cache)};
-}
-
-runtime::Device await_device(const OpeningDevice& opening, Context& context) {
-  auto device = must(opening.device.get());
-  context.stopwatch.lap("device");
-  return device;
-}
-
-runtime::PreparedSurface await_surface(std::future<Result<runtime::PreparedSurface>>& preparing, Context& context) {
-  auto prepared = must(preparing.get());
-  context.stopwatch.lap("surface");
-  return prepared;
+  return loaded;
 }
 
 int exit_code_of(const std::vector<std::string>& messages) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <CLI/App.hpp>
-#include <future>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "compiler/compile.h"
 #include "compiler/ir/module.h"
 #include "runtime/runtime.h"
+#include "session/session.h"
 #include "voml/assets/mesh.h"
 #include "voml/scene.h"
 
@@ -51,29 +51,25 @@ void add_time_option(CLI::App& command, double& time_ms);
 /// Refuses unknown forms and passes as wrong usage, listing the known ones.
 compiler::CompileOptions compile_options(const CodegenChoice& choice);
 
-/// SCENE -> Scene -> Module; mistakes are printed and stop the command. Warnings wait in `diagnostics`.
-voml::Scene read_scene(const SceneOptions& options, Context& context, Diagnostics& diagnostics,
-                       const ReadFile& files = disk_files());
-compiler::Module lower(voml::Scene scene, Context& context, Diagnostics& diagnostics,
-                       const compiler::CodeCache& cache = {});
+/// The session of a command that was given these options, which tells the command's stopwatch of its steps.
+session::Session make_session(Context& context);
+session::Session make_session(const DeviceChoice& choice, Context& context);
+session::SceneFile scene_file(const SceneOptions& options, const ReadFile& files = disk_files());
 
-/// Module -> Program with the SPIR-V of the kernel, for a device if there is one. Prints what `diagnostics` holds.
-compiler::Program compile(compiler::Module module, compiler::CompileOptions options,
-                          std::optional<compiler::Kernel> kernel, const runtime::Device* device, Context& context,
-                          Diagnostics& diagnostics, const compiler::CodeCache& cache = {});
+/// The value, or the end of the command: mistakes of authors are printed from `diagnostics`.
+template <class T>
+T must(Result<T> result, const Diagnostics& diagnostics, const Context& context) {
+  if (!result && diagnostics.has_errors()) stop_with(diagnostics, context);
+  return must(std::move(result));
+}
 
-/// A device that a thread of its own opens, and the user's cache of compiled code: none with --no-cache, or without a
-/// cache folder.
-struct OpeningDevice {
-  std::shared_future<Result<runtime::Device>> device;
-  compiler::CodeCache code;
-};
-OpeningDevice begin_device(const DeviceChoice& choice);
-/// Waits for the device, once; the lap "device" is what there was to wait for.
-runtime::Device await_device(const OpeningDevice& opening, Context& context);
-
-/// Waits for what the pictures are drawn on; the lap "surface" is what there was to wait for.
-runtime::PreparedSurface await_surface(std::future<Result<runtime::PreparedSurface>>& preparing, Context& context);
+/// SCENE -> Module; mistakes are printed and stop the command. Warnings wait in `diagnostics`.
+compiler::Module read_module(session::Session& session, const SceneOptions& options, Context& context,
+                             Diagnostics& diagnostics);
+/// A scene on the session's device, ready for points of `source`. Prints the warnings that `diagnostics` holds.
+session::Loaded load(session::Session& session, voml::Scene scene, const compiler::CompileOptions& form,
+                     compiler::Source source, Context& context, Diagnostics& diagnostics,
+                     runtime::Timings* timings = nullptr);
 
 /// The exit code of a command that used a device: messages of the validation layer go to stderr and make it 2.
 int exit_code_of(const std::vector<std::string>& validation_messages);

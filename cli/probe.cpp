@@ -111,7 +111,8 @@ void print_explanations(const compiler::Module& module, const compiler::Referenc
 
 int probe_reference(const ProbeOptions& options, std::span<const glm::dvec3> points, Context& context) {
   Diagnostics diagnostics(options.scene.strict);
-  const compiler::Module module = lower(read_scene(options.scene, context, diagnostics), context, diagnostics);
+  session::Session session = make_session(context);
+  const compiler::Module module = read_module(session, options.scene, context, diagnostics);
   if (!compiler::can_evaluate(module, diagnostics)) stop_with(diagnostics, context);
   print_diagnostics(diagnostics, context);
   compiler::Reference::Options reading;
@@ -132,17 +133,15 @@ int probe_reference(const ProbeOptions& options, std::span<const glm::dvec3> poi
 }
 
 int probe_vulkan(const ProbeOptions& options, std::span<const glm::dvec3> points, Context& context) {
-  OpeningDevice opening = begin_device(options.device);
+  session::Session session = make_session(options.device, context);
   Diagnostics diagnostics(options.scene.strict);
-  compiler::Module module = lower(read_scene(options.scene, context, diagnostics), context, diagnostics, opening.code);
-  runtime::Device device = await_device(opening, context);
-  const compiler::Program program = compile(std::move(module), compile_options(options.codegen),
-                                            compiler::Kernel::points, &device, context, diagnostics, opening.code);
+  voml::Scene scene = must(session.read(scene_file(options.scene), diagnostics), diagnostics, context);
   runtime::Timings timings;
-  auto evaluator = must(runtime::Evaluator::create(device, program, &timings));
+  auto [program, evaluator] = load(session, std::move(scene), compile_options(options.codegen),
+                                   compiler::Source::points, context, diagnostics, &timings);
   const auto answers = must(evaluator.probe(points, options.time_ms, &timings));
   context.stopwatch.lap(timings, "other");
-  if (const int exit_code = exit_code_of(device.validation_messages()); exit_code != exit_done) return exit_code;
+  if (const int exit_code = exit_code_of(session.validation_messages()); exit_code != exit_done) return exit_code;
   print_answers(points, answers, program.regions, options.json);
   context.stopwatch.lap("print");
   return exit_done;

@@ -115,29 +115,25 @@ int render(const RenderOptions& options, Context& context) {
   Outputs outputs;
   announce(outputs, options, aovs);
 
-  OpeningDevice opening = begin_device(options.device);
+  session::Session session = make_session(options.device, context);
   Diagnostics diagnostics(options.scene.strict);
-  voml::Scene scene = read_scene(options.scene, context, diagnostics);
-  const std::optional<voml::Mesh> mesh = place_camera(view, options.view, disk_files(), context, diagnostics);
-  if (mesh) view.mesh = &*mesh;
-  auto preparing = runtime::PreparedSurface::prepare_async(opening.device, view);
-  compiler::Module module = lower(std::move(scene), context, diagnostics, opening.code);
-  runtime::Device device = await_device(opening, context);
-  const compiler::Program program =
-      compile(std::move(module), form, compiler::Kernel::pixels, &device, context, diagnostics, opening.code);
+  voml::Scene scene = must(session.read(scene_file(options.scene), diagnostics), diagnostics, context);
+  place_camera(view, options.view, disk_files(), context, diagnostics);
+  session.prepare_surface(view);
   runtime::Timings timings;
-  auto evaluator = must(runtime::Evaluator::create(device, program, &timings, await_surface(preparing, context)));
+  auto [program, evaluator] =
+      load(session, std::move(scene), form, compiler::Source::surface, context, diagnostics, &timings);
   const runtime::Picture picture = must(evaluator.render(view, &timings));
   context.stopwatch.lap(timings, "other");
 
   warn_of_edges(picture.edges, options.view, context);
   warn_of_nothing(picture, view, context);
-  if (const int exit_code = exit_code_of(device.validation_messages()); exit_code != exit_done) return exit_code;
+  if (const int exit_code = exit_code_of(session.validation_messages()); exit_code != exit_done) return exit_code;
   write(outputs, options, aovs, picture, program.regions);
   context.stopwatch.lap("encode");
   if (!context.quiet) {
     print_result(fmt::format("{}: {}x{}, {:.2f} s on {}\n", options.picture, picture.size_px.x, picture.size_px.y,
-                             context.stopwatch.seconds(), device.info().name));
+                             context.stopwatch.seconds(), must(session.device()).info().name));
   }
   return exit_done;
 }

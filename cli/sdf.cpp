@@ -159,8 +159,8 @@ int sdf_of_scene(const SdfOptions& options, Context& context) {
   outputs.announce(options.grid, {".lxn"});
 
   Diagnostics diagnostics(options.scene.strict);
-  voml::Scene scene = read_scene(options.scene, context, diagnostics);
-  const compiler::Module module = lower(std::move(scene), context, diagnostics);
+  session::Session session = make_session(context);
+  const compiler::Module module = read_module(session, options.scene, context, diagnostics);
   print_diagnostics(diagnostics, context);
   const Id<compiler::Sdf> sdf = must(authoring::find_sdf(module, options.sdf));
   const std::uint32_t resolution = options.grid_options.resolution;

@@ -66,16 +66,13 @@ void warn_of_deep_zoom(const runtime::View& view, const Context& context) {
 
 }  // namespace
 
-std::optional<voml::Mesh> place_camera(runtime::View& view, const ViewOptions& options, const ReadFile& files,
-                                       Context& context, Diagnostics& diagnostics) {
-  std::optional<voml::Mesh> mesh;
-  if (!options.mesh.empty()) mesh = read_mesh(options.mesh, context, diagnostics, files);
-  if (options.camera.empty() && !view.slice) {
-    const voml::Bounds bounds = mesh ? voml::bounds(*mesh) : voml::Bounds{glm::dvec3(-1.0), glm::dvec3(1.0)};
-    view.camera = runtime::default_camera(bounds, view.size_px, view.cuts);
-  }
+void place_camera(runtime::View& view, const ViewOptions& options, const ReadFile& files, Context& context,
+                  Diagnostics& diagnostics) {
+  if (!options.mesh.empty())
+    view.mesh = std::make_shared<const voml::Mesh>(read_mesh(options.mesh, context, diagnostics, files));
+  if (options.camera.empty() && !view.slice)
+    view.camera = runtime::default_camera(voml::bounds(*runtime::support_mesh(view)), view.size_px, view.cuts);
   warn_of_deep_zoom(view, context);
-  return mesh;
 }
 
 void warn_of_edges(const voml::EdgeFaults& edges, const ViewOptions& options, const Context& context) {

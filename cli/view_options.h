@@ -28,9 +28,9 @@ void add_view_options(CLI::App& command, ViewOptions& options);
 runtime::View parse_view(const ViewOptions& options);
 
 /// Reads the support mesh by way of `files` (none: the standard cube), and sets the camera that frames it unless one
-/// was chosen. The caller keeps the mesh and points the view at it. Mistakes are printed and stop the command.
-std::optional<voml::Mesh> place_camera(runtime::View& view, const ViewOptions& options, const ReadFile& files,
-                                       Context& context, Diagnostics& diagnostics);
+/// was chosen. Mistakes are printed and stop the command.
+void place_camera(runtime::View& view, const ViewOptions& options, const ReadFile& files, Context& context,
+                  Diagnostics& diagnostics);
 
 /// Says that cutting a mesh that is not closed may show leaks.
 void warn_of_edges(const voml::EdgeFaults& edges, const ViewOptions& options, const Context& context);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cstring>
 
 #include "compiler/glsl/generate_glsl.h"
@@ -11,8 +12,8 @@
 #include "compiler/ir/legend.h"
 #include "compiler/layout/atlas.h"
 #include "compiler/layout/flatten.h"
-#include "compiler/layout/record_access.h"
 #include "compiler/layout/resources.h"
+#include "compiler/layout/scene_buffers.h"
 #include "compiler/layout/tapes.h"
 #include "compiler/passes/content.h"
 #include "compiler/passes/passes.h"
@@ -21,8 +22,7 @@
 #include "compiler/proofs/judge.h"
 #include "compiler/proofs/steepness.h"
 #include "compiler/reference/reference.h"
-#include "compiler/snippet/time_function.h"
-#include "compiler/snippet/time_values.h"
+#include "compiler/snippet/time_slot.h"
 #include "compiler/thesis/thesis.h"
 
 namespace dmvv::compiler {
@@ -31,41 +31,40 @@ namespace {
 
 constexpr std::uint32_t max_depth = 256;  // a walker's stack of 32-byte frames must fit private memory
 
-bool enabled(const CompileOptions& options, std::string_view pass) {
-  return std::find(options.disabled_passes.begin(), options.disabled_passes.end(), pass) ==
-         options.disabled_passes.end();
-}
-
 /// Is there a kernel that tells how far answers hold?
 bool tells_reach(const CompileOptions& options) {
-  return options.many_frames && writes_code(options) && enabled(options, "reach");
+  return options.many_frames && writes_code(options) && is_enabled(options, "reach");
 }
-
-bool in_stages(const CompileOptions& options) { return writes_code(options) && enabled(options, "stages"); }
 
 GridStorage grid_storage(const Module& module, const CompileOptions& options) {
   return {options.atlas_format, options.filter, texel_scales(module, options.atlas_format, options.filter)};
 }
 
+/// What scene_buffers.def takes the contents of buffers from.
+struct SceneContents {
+  const Records& records;
+  const Tapes& tapes;
+  const Evaluation& evaluation;
+};
+
 template <class T>
-void add_buffer(Program& program, const char* name, std::uint32_t binding, const std::vector<T>& records) {
-  Buffer buffer{name, binding, std::vector<std::byte>(std::max<std::size_t>(records.size(), 1) * sizeof(T)),
-                records.size()};
-  if (!records.empty()) std::memcpy(buffer.bytes.data(), records.data(), records.size() * sizeof(T));
-  program.statistics.buffer_bytes += buffer.bytes.size();
+void add_buffer(Program& program, const SceneBuffer& row, const std::vector<T>& elements) {
+  assert(sizeof(T) == row.element_bytes);
+  Buffer buffer{std::string(row.name), row.binding,
+                std::vector<std::byte>(std::max<std::size_t>(elements.size(), 1) * sizeof(T)), elements.size()};
+  if (!elements.empty()) std::memcpy(buffer.bytes.data(), elements.data(), elements.size() * sizeof(T));
+  program.statistics.bytes.buffers += buffer.bytes.size();
   program.buffers.push_back(std::move(buffer));
 }
 
-void add_buffers(Program& program, const Records& records, const Uses& uses) {
-  if (uses.walker) add_buffer(program, "nodes", DMVV_BIND_NODES, records.nodes);
-  if (uses.walker) add_buffer(program, "sdfs", DMVV_BIND_SDFS, records.sdfs);
-  if (uses.walker || uses.region_colors) add_buffer(program, "regions", DMVV_BIND_REGIONS, records.regions);
-  if (uses.walker) add_buffer(program, "groups", DMVV_BIND_GROUPS, records.groups);
-  if (uses.placements) add_buffer(program, "placements", DMVV_BIND_PLACEMENTS, records.placements);
-  if (uses.scalings) add_buffer(program, "scalings", DMVV_BIND_SCALINGS, records.scalings);
-  if (uses.lists) add_buffer(program, "cells", DMVV_BIND_CELLS, records.cells);
-  if (uses.lists) add_buffer(program, "lists", DMVV_BIND_LISTS, records.lists);
-  if (uses.walker) add_buffer(program, "objects", DMVV_BIND_OBJECTS, records.objects);
+void add_buffers(Program& program, const SceneContents& from) {
+  const auto& [records, tapes, evaluation] = from;
+  const Uses& uses = evaluation.uses;
+  const std::vector<float> time_values = snippet::time_values(program.time_slots, 0.0);
+#define DMVV_SCENE_BUFFER(name, number, element, texels, present, contents) \
+  if (present) add_buffer(program, *find_scene_buffer(number), contents);
+#include "compiler/layout/scene_buffers.def"
+#undef DMVV_SCENE_BUFFER
 }
 
 /// Tells the placements of candidates where their objects' parameters are.
@@ -86,23 +85,30 @@ void name_united(Records& records, const Module& module, const std::map<Id<Objec
 /// Texels where generated code is to read them, the device has some, and no buffer has too many.
 RecordAccess record_access(const Program& program, const CompileOptions& options) {
   const std::uint32_t most = options.max_texel_buffer_elements;
-  if (most == 0 || !writes_code(options) || !enabled(options, "texel-records")) return RecordAccess::buffers;
+  if (most == 0 || !writes_code(options) || !is_enabled(options, "texel-records")) return RecordAccess::buffers;
   const bool fit = std::ranges::all_of(program.buffers, [&](const Buffer& buffer) {
-    const BufferForm form = form_of(buffer.binding, RecordAccess::texels);
+    const BufferForm form = find_scene_buffer(buffer.binding)->form(RecordAccess::texels);
     return form == BufferForm::records || buffer.bytes.size() / bytes_per_texel(form) <= most;
   });
   return fit ? RecordAccess::texels : RecordAccess::buffers;
 }
 
-void write_kernels(Program& program, const Evaluation& evaluation, RecordAccess access) {
-  for (Buffer& buffer : program.buffers) buffer.form = form_of(buffer.binding, access);
-  for (const Kernel kernel : {Kernel::points, Kernel::pixels, Kernel::leaders}) {
-    if (kernel == Kernel::leaders && !evaluation.uses.reach) continue;
-    program.glsl[static_cast<std::size_t>(kernel)] = generate_glsl(evaluation, program.depth, kernel, access);
+std::vector<Shader> write_shaders(const Evaluation& evaluation, std::uint32_t depth, const KernelSpec& kernel,
+                                  RecordAccess access) {
+  std::vector<Shader> shaders;
+  const bool is_staged = kernel.name == pixels_kernel.name && !evaluation.stages.empty();
+  if (!is_staged) shaders.push_back({generate_glsl(evaluation, depth, kernel, access), {}});
+  for (std::size_t i = 0; is_staged && i < evaluation.stages.size(); ++i) {
+    shaders.push_back({generate_glsl(evaluation, depth, kernel, access, i), {}, evaluation.stages[i].has_next});
   }
-  for (std::size_t i = 0; i < evaluation.stages.size(); ++i) {
-    program.stages.push_back(
-        {generate_stage_glsl(evaluation, program.depth, i, access), {}, evaluation.stages[i].has_next});
+  return shaders;
+}
+
+void write_kernels(Program& program, const Evaluation& evaluation, RecordAccess access) {
+  for (Buffer& buffer : program.buffers) buffer.form = find_scene_buffer(buffer.binding)->form(access);
+  for (const KernelSpec& kernel : kernel_specs) {
+    if (kernel.query.radius && !evaluation.uses.reach) continue;
+    program.kernels.push_back({kernel, write_shaders(evaluation, program.depth, kernel, access)});
   }
 }
 
@@ -137,49 +143,96 @@ bool check_buffers(const Program& program, std::uint64_t limit, Diagnostics& dia
 }
 
 void add_texture(Program& program, Atlas atlas) {
-  program.statistics.texture_bytes += atlas.texture.texels.size();
+  program.statistics.bytes.textures += atlas.texture.texels.size();
   program.textures.push_back(std::move(atlas.texture));
 }
 
-void count(Statistics& statistics, const Module& module) {
-  statistics.objects = static_cast<std::uint32_t>(module.objects.size());
-  statistics.sdfs = static_cast<std::uint32_t>(module.sdfs.size());
-  statistics.nodes = static_cast<std::uint32_t>(module.nodes.size());
-  statistics.regions = static_cast<std::uint32_t>(module.regions.size());
-  statistics.functions = static_cast<std::uint32_t>(module.functions.size());
-  statistics.depth = module.depth;
+SceneCounts count(const Module& module) {
+  const auto size = [](const auto& things) { return static_cast<std::uint32_t>(things.size()); };
+  SceneCounts counts{.objects = size(module.objects),
+                     .functions = size(module.functions),
+                     .sdfs = size(module.sdfs),
+                     .nodes = size(module.nodes),
+                     .regions = size(module.regions),
+                     .depth = module.depth};
   for (const Sdf& sdf : module.sdfs) {
-    if (sdf.placement == voml::Placement::seeded)
-      statistics.seeds += static_cast<std::uint32_t>(sdf.local_from_object.size());
+    if (sdf.placement == voml::Placement::seeded) counts.seeds += size(sdf.local_from_object);
   }
   for (const Region& region : module.regions) {
-    for (const auto& group : region.groups)
-      statistics.candidates += static_cast<std::uint32_t>(group.candidates.size());
+    for (const auto& group : region.groups) counts.candidates += size(group.candidates);
+  }
+  return counts;
+}
+
+CodeSize size_of(const Program& program, const Evaluation& evaluation) {
+  CodeSize size{.inlined_lines = evaluation.inlined_lines, .stages = evaluation.stage_count};
+  for (const Shader& shader : program.find_kernel(pixels_kernel.name)->shaders)
+    size.glsl_lines += static_cast<std::uint32_t>(std::ranges::count(shader.glsl, '\n'));
+  return size;
+}
+
+Sharing sharing_of(const Evaluation& evaluation, const Records& records) {
+  Sharing shared{.united_objects = static_cast<std::uint32_t>(evaluation.united.size()),
+                 .united_functions = evaluation.united_functions,
+                 .seed_chains = static_cast<std::uint32_t>(records.chains.size())};
+  for (const SeedChain& chain : records.chains) shared.chained_sdfs += static_cast<std::uint32_t>(chain.size());
+  for (const auto& [object, is_sunk] : evaluation.listed) {
+    ++shared.listed_objects;
+    shared.sunk_objects += is_sunk;
+  }
+  return shared;
+}
+
+/// Tells what was found; `program` is whole but for it.
+void add_statistics(Program& program, const Module& module, const SceneContents& from) {
+  Statistics& statistics = program.statistics;
+  statistics.scene = count(module);
+  statistics.code = size_of(program, from.evaluation);
+  statistics.shared = sharing_of(from.evaluation, from.records);
+  for (std::size_t i = 0; i < module.objects.size(); ++i)
+    statistics.objects.push_back({module.objects[i].name, from.evaluation.object_forms[i]});
+  for (std::size_t i = 0; i < from.tapes.functions.size(); ++i) {
+    const std::string& note = from.tapes.functions[i].note;
+    if (!note.empty()) statistics.tapes.push_back(module.functions[i].name + ": " + note);
   }
 }
 
+void run_trim_cubes(Module& module, const CompileOptions& options) {
+  if (writes_code(options)) trim_cubes(module, options.atlas_format, options.filter);
+}
+
+template <void (*pass)(Module&)>
+void run_pass(Module& module, const CompileOptions&) {
+  pass(module);
+}
+
 }  // namespace
+
+bool is_enabled(const CompileOptions& options, std::string_view pass) {
+  return std::ranges::find(options.disabled_passes, pass) == options.disabled_passes.end();
+}
 
 bool writes_code(const CompileOptions& options) {
   return options.codegen == Codegen::specialised || options.codegen == Codegen::automatic;
 }
 
 IndexOptions index_options(const CompileOptions& options) {
-  return {.use = enabled(options, "index"),
-          .refine = writes_code(options) && enabled(options, "refine-index"),
+  return {.use = is_enabled(options, "index"),
+          .refine = writes_code(options) && is_enabled(options, "refine-index"),
           .widened = tells_reach(options) ? DMVV_CELL_MARGIN : 0.0};
 }
 
 std::vector<SeedChain> seed_chains(const Module& module, const CompileOptions& options) {
-  return writes_code(options) && enabled(options, "chain-seeds") ? find_seed_chains(module) : std::vector<SeedChain>{};
+  return writes_code(options) && is_enabled(options, "chain-seeds") ? find_seed_chains(module)
+                                                                    : std::vector<SeedChain>{};
 }
 
 const std::vector<PassInfo>& pass_names() {
   static const std::vector<PassInfo> passes{
-      {"merge-assets", "identical grids, bitmaps and snippets are stored once"},
-      {"prune-sides", "a decision between equal sides is left out"},
-      {"drop-unreachable", "what no path from the root reaches is left out"},
-      {"trim-cubes", "seeds and objects are asked only where their cubes are not surely empty"},
+      {"merge-assets", "identical grids, bitmaps and snippets are stored once", run_pass<merge_assets>},
+      {"prune-sides", "a decision between equal sides is left out", run_pass<prune_sides>},
+      {"drop-unreachable", "what no path from the root reaches is left out", run_pass<drop_unreachable>},
+      {"trim-cubes", "seeds and objects are asked only where their cubes are not surely empty", run_trim_cubes},
       {"index", "seeds and candidates are found through lookup grids"},
       {"refine-index", "an author's lookup grid has no fewer cells than the compiler would choose"},
       {"chain-seeds", "SDFs that ask for seeds of one shape after each other share one search"},
@@ -198,10 +251,9 @@ const std::vector<PassInfo>& pass_names() {
 
 void run_passes(Module& module, const CompileOptions& options) {
   if (options.codegen == Codegen::thesis) return;
-  if (enabled(options, "merge-assets")) merge_assets(module);
-  if (enabled(options, "prune-sides")) prune_sides(module);
-  if (enabled(options, "drop-unreachable")) drop_unreachable(module);
-  if (writes_code(options) && enabled(options, "trim-cubes")) trim_cubes(module, options.atlas_format, options.filter);
+  for (const PassInfo& pass : pass_names()) {
+    if (pass.run != nullptr && is_enabled(options, pass.name)) pass.run(module, options);
+  }
 }
 
 bool can_evaluate(const Module& module, Diagnostics& diagnostics) {
@@ -212,87 +264,105 @@ bool can_evaluate(const Module& module, Diagnostics& diagnostics) {
   return !diagnostics.has_errors();
 }
 
-std::optional<Program> compile(Module module, const CompileOptions& options, Diagnostics& diagnostics) {
+namespace {
+
+struct Atlases {
+  Atlas grids, bitmaps;
+};
+
+std::optional<Atlases> pack_atlases(const Module& module, const CompileOptions& options, Diagnostics& diagnostics) {
+  auto grids = options.codegen == Codegen::thesis
+                   ? pack_thesis_atlas(module.grids, options.max_extent_3d, diagnostics)
+                   : pack_atlas(module.grids, grid_storage(module, options), options.max_extent_3d, diagnostics);
+  auto bitmaps = pack_bitmaps(module.bitmaps, options.max_extent_3d, diagnostics);
+  if (!grids || !bitmaps) return std::nullopt;
+  return Atlases{std::move(*grids), std::move(*bitmaps)};
+}
+
+/// Nothing if some function can be neither a tape nor code.
+std::optional<Tapes> tapes_of(const Module& module, const CompileOptions& options, Diagnostics& diagnostics) {
+  TapeOptions tape_options = options.tapes;
+  tape_options.shorten = is_enabled(options, "shorten-tapes");
+  const bool wants_tapes = options.codegen != Codegen::thesis && is_enabled(options, "tapes");
+  Tapes tapes = wants_tapes ? make_tapes(module, tape_options) : Tapes{};
+  if (!check_functions(module, tapes, tape_options, diagnostics)) return std::nullopt;
+  return tapes;
+}
+
+struct Written {
+  Records records;
+  Evaluation evaluation;
+};
+
+Written write_evaluation(const Module& module, const Atlases& atlases, const Tapes& tapes,
+                         const CompileOptions& options) {
+  const bool has_code = writes_code(options);
+  const auto steepness = tells_reach(options) ? source_steepness(module, options.atlas_format, options.filter)
+                                              : std::vector<snippet::Steepness>{};
+  const GlslOptions glsl_options{
+      .codegen = options.codegen,
+      .inlined_line_budget = options.inlined_line_budget,
+      .costs = options.costs,
+      .fold_affine = is_enabled(options, "fold-affine"),
+      .box_tests = is_enabled(options, "box-tests"),
+      .tapes = &tapes,
+      .sink_answers = has_code && is_enabled(options, "sink-answers"),
+      .unite_shapes = has_code && is_enabled(options, "unite-shapes"),
+      .stages = has_code && is_enabled(options, "stages") ? std::optional(options.stages) : std::nullopt,
+      .write_stages = options.many_frames,
+      .steepness = tells_reach(options) ? &steepness : nullptr};
+  const auto write = [&](std::vector<SeedChain> chains) {
+    Records records = options.codegen == Codegen::thesis
+                          ? flatten_thesis(module, atlases.grids, atlases.bitmaps)
+                          : flatten(module, atlases.grids, atlases.bitmaps, index_options(options), std::move(chains));
+    Evaluation evaluation = generate_evaluation(module, records, atlases.grids, glsl_options);
+    return Written{std::move(records), std::move(evaluation)};
+  };
+  Written written = write(seed_chains(module, options));
+  // The walker knows no chains.
+  if (written.evaluation.uses.walker && !written.records.chains.empty()) written = write({});
+  name_united(written.records, module, written.evaluation.united);
+  return written;
+}
+
+}  // namespace
+
+std::optional<Build> build(Module module, const CompileOptions& options, Diagnostics& diagnostics) {
   if (!can_evaluate(module, diagnostics)) return std::nullopt;
+  run_passes(module, options);
+  std::optional<Atlases> atlases = pack_atlases(module, options, diagnostics);
+  if (!atlases) return std::nullopt;
+  if (options.codegen == Codegen::thesis && !fits_thesis(module, diagnostics)) return std::nullopt;
+  const std::optional<Tapes> tapes = tapes_of(module, options, diagnostics);
+  if (!tapes) return std::nullopt;
+  Written written = write_evaluation(module, *atlases, *tapes, options);
+
   Program program;
   program.codegen = options.codegen;
-  run_passes(module, options);
   program.regions = legend(module);
   program.depth = module.depth;
-
-  const bool thesis = options.codegen == Codegen::thesis;
-  auto grid_atlas = thesis
-                        ? pack_thesis_atlas(module.grids, options.max_extent_3d, diagnostics)
-                        : pack_atlas(module.grids, grid_storage(module, options), options.max_extent_3d, diagnostics);
-  auto bitmap_atlas = pack_bitmaps(module.bitmaps, options.max_extent_3d, diagnostics);
-  if (!grid_atlas || !bitmap_atlas) return std::nullopt;
-  if (thesis && !fits_thesis(module, diagnostics)) return std::nullopt;
-  TapeOptions tape_options = options.tapes;
-  tape_options.shorten = enabled(options, "shorten-tapes");
-  const Tapes tapes = !thesis && enabled(options, "tapes") ? make_tapes(module, tape_options) : Tapes{};
-  if (!check_functions(module, tapes, tape_options, diagnostics)) return std::nullopt;
-  const bool reaches = tells_reach(options);
-  const auto steepness =
-      reaches ? source_steepness(module, options.atlas_format, options.filter) : std::vector<snippet::Steepness>{};
-  const GlslOptions glsl_options{options.codegen,
-                                 options.inlined_line_budget,
-                                 options.costs,
-                                 enabled(options, "fold-affine"),
-                                 enabled(options, "box-tests"),
-                                 &tapes,
-                                 writes_code(options) && enabled(options, "sink-answers"),
-                                 writes_code(options) && enabled(options, "unite-shapes"),
-                                 in_stages(options) ? std::optional(options.stages) : std::nullopt,
-                                 options.many_frames,
-                                 reaches ? &steepness : nullptr};
-  const auto flattened = [&](std::vector<SeedChain> chains) {
-    return thesis ? flatten_thesis(module, *grid_atlas, *bitmap_atlas)
-                  : flatten(module, *grid_atlas, *bitmap_atlas, index_options(options), std::move(chains));
-  };
-  Records records = flattened(seed_chains(module, options));
-  Evaluation evaluation = generate_evaluation(module, records, *grid_atlas, glsl_options);
-  if (evaluation.uses.walker && !records.chains.empty()) {  // it knows no chains
-    records = flattened({});
-    evaluation = generate_evaluation(module, records, *grid_atlas, glsl_options);
-  }
-  name_united(records, module, evaluation.united);
-
-  count(program.statistics, module);
-  program.statistics.inlined_lines = evaluation.inlined_lines;
-  program.statistics.stages = evaluation.stage_count;
-  program.statistics.united_objects = static_cast<std::uint32_t>(evaluation.united.size());
-  for (const auto& [object, is_sunk] : evaluation.listed) {
-    ++program.statistics.listed_objects;
-    program.statistics.sunk_objects += is_sunk;
-  }
-  program.statistics.united_functions = evaluation.united_functions;
-  program.statistics.seed_chains = static_cast<std::uint32_t>(records.chains.size());
-  for (const SeedChain& chain : records.chains)
-    program.statistics.chained_sdfs += static_cast<std::uint32_t>(chain.size());
-  program.statistics.object_codegen = std::move(evaluation.object_codegen);
-  program.statistics.atlas_fill = grid_atlas->fill;
-  program.time_functions = std::move(evaluation.time_functions);
-  if (evaluation.uses.grid_atlas) add_texture(program, std::move(*grid_atlas));
-  if (evaluation.uses.bitmap_atlas) add_texture(program, std::move(*bitmap_atlas));
-  add_buffers(program, records, evaluation.uses);
-  if (evaluation.uses.tapes) add_buffer(program, "tape_cells", DMVV_BIND_TAPE_CELLS, tapes.cells);
-  if (evaluation.uses.tapes) add_buffer(program, "tapes", DMVV_BIND_TAPES, tapes.words);
-  for (std::size_t i = 0; i < tapes.functions.size(); ++i) {
-    const std::string& note = tapes.functions[i].note;
-    if (!note.empty()) program.statistics.tapes.push_back(module.functions[i].name + ": " + note);
-  }
-  if (evaluation.uses.parameters) add_buffer(program, "parameters", DMVV_BIND_PARAMETERS, evaluation.parameters);
-  if (evaluation.uses.time)
-    add_buffer(program, "time_values", DMVV_BIND_TIME, time_values(program.time_functions, 0.0));
-  write_kernels(program, evaluation, record_access(program, options));
-  const std::string& pixels = program.glsl[static_cast<std::size_t>(Kernel::pixels)];
-  program.statistics.glsl_lines = static_cast<std::uint32_t>(std::count(pixels.begin(), pixels.end(), '\n'));
+  program.time_slots = std::move(written.evaluation.time_slots);
+  program.statistics.bytes.atlas_fill = atlases->grids.fill;
+  if (written.evaluation.uses.grid_atlas) add_texture(program, std::move(atlases->grids));
+  if (written.evaluation.uses.bitmap_atlas) add_texture(program, std::move(atlases->bitmaps));
+  const SceneContents contents{written.records, *tapes, written.evaluation};
+  add_buffers(program, contents);
+  write_kernels(program, written.evaluation, record_access(program, options));
+  add_statistics(program, module, contents);
   if (!check_buffers(program, options.max_storage_buffer, diagnostics)) return std::nullopt;
-  if (options.many_frames && !thesis) {
-    const Judge::Options stored{options.atlas_format, options.filter};
-    program.judge = std::make_shared<Judge>(std::move(module), std::move(records), stored);
-  }
-  return program;
+  return Build{std::move(program), std::move(module), std::move(written.records)};
+}
+
+std::optional<Program> compile(Module module, const CompileOptions& options, Diagnostics& diagnostics) {
+  auto made = build(std::move(module), options, diagnostics);
+  if (!made) return std::nullopt;
+  return std::move(made->program);
+}
+
+std::shared_ptr<const Judge> make_judge(Module module, Records records, const CompileOptions& options) {
+  if (options.codegen == Codegen::thesis) return nullptr;
+  return std::make_shared<Judge>(std::move(module), std::move(records),
+                                 Judge::Options{options.atlas_format, options.filter});
 }
 
 }  // namespace dmvv::compiler

@@ -12,8 +12,8 @@
 #include "compiler/grids/storage.h"
 #include "compiler/ir/placements.h"
 #include "compiler/layout/flatten.h"
-#include "compiler/layout/record_access.h"
 #include "compiler/layout/resources.h"
+#include "compiler/layout/scene_buffers.h"
 #include "compiler/passes/content.h"
 #include "compiler/passes/passes.h"
 #include "compiler/passes/seed_chains.h"
@@ -21,10 +21,6 @@
 
 namespace dmvv::compiler {
 namespace {
-
-bool enabled(const CompileOptions& options, std::string_view pass) {
-  return std::ranges::find(options.disabled_passes, pass) == options.disabled_passes.end();
-}
 
 /// What an object's tree holds, each thing once, in the module's order.
 struct Tree {
@@ -141,84 +137,116 @@ std::string trimmed(const Module& module) {
   return fmt::format("{:.0f} % of {} cubes are asked", 100.0 * left / static_cast<double>(cubes), cubes);
 }
 
-std::string tapes_found(const Program& program) {
-  const std::vector<std::string>& tapes = program.statistics.tapes;
+/// What there is to tell of a pass from: the module behind all of them, the program, and its lookup grids.
+struct Found {
+  const Module& module;
+  const CompileOptions& options;
+  const Program& program;
+  const ListsFound& lists;
+
+  const Sharing& shared() const { return program.statistics.shared; }
+};
+
+std::string tapes_found(const Found& found) {
+  const std::vector<std::string>& tapes = found.program.statistics.tapes;
   return tapes.empty() ? "nothing to do" : fmt::format("{}", fmt::join(tapes, "; "));
 }
 
-std::string cells_found(const Program& program) {
+std::string cells_found(const Found& found) {
+  const Program& program = found.program;
   const auto cells = std::ranges::find(program.buffers, "tape_cells", &Buffer::name);
   const auto words = std::ranges::find(program.buffers, "tapes", &Buffer::name);
   if (cells == program.buffers.end()) return "nothing to do";
   return fmt::format("{} cells, {} bytes of tapes", cells->count, words->bytes.size());
 }
 
-std::string texels_found(const Program& program, const CompileOptions& options) {
-  if (options.max_texel_buffer_elements == 0) return "";  // for what device is not known
+std::string texels_found(const Found& found) {
+  if (found.options.max_texel_buffer_elements == 0) return "";  // for what device is not known
   std::vector<std::string> names;
-  for (const Buffer& buffer : program.buffers) {
+  for (const Buffer& buffer : found.program.buffers) {
     if (buffer.form != BufferForm::records) names.push_back(buffer.name);
   }
   return names.empty() ? "nothing to do" : fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::string refined(const ListsFound& found) {
-  if (found.wished == 0) return "nothing to do";
-  return fmt::format("{} of {} lookup grids have more cells than their authors chose", found.refined, found.wished);
+std::string listed(const Found& found) {
+  const ListsFound& lists = found.lists;
+  if (lists.lists == 0) return "nothing to do";
+  return fmt::format("{} list{} of {} entries in {} cells, {} at most in one", lists.lists, lists.lists == 1 ? "" : "s",
+                     lists.entries, lists.cells, lists.longest);
 }
 
-std::string united_found(const Statistics& statistics) {
-  const std::uint32_t functions = statistics.united_functions;
+std::string refined(const Found& found) {
+  if (found.lists.wished == 0) return "nothing to do";
+  return fmt::format("{} of {} lookup grids have more cells than their authors chose", found.lists.refined,
+                     found.lists.wished);
+}
+
+std::string united_found(const Found& found) {
+  const std::uint32_t functions = found.shared().united_functions;
   if (functions == 0) return "nothing to do";
-  return fmt::format("{} objects share {} function{}", statistics.united_objects, functions, functions == 1 ? "" : "s");
+  return fmt::format("{} objects share {} function{}", found.shared().united_objects, functions,
+                     functions == 1 ? "" : "s");
 }
 
-std::string chained(const Statistics& statistics) {
-  const std::uint32_t chains = statistics.seed_chains;
+std::string chained(const Found& found) {
+  const std::uint32_t chains = found.shared().seed_chains;
   if (chains == 0) return "nothing to do";
-  return fmt::format("{} SDFs share {} search{}", statistics.chained_sdfs, chains, chains == 1 ? "" : "es");
+  return fmt::format("{} SDFs share {} search{}", found.shared().chained_sdfs, chains, chains == 1 ? "" : "es");
 }
 
-std::string sunk(const Statistics& statistics) {
-  if (statistics.listed_objects == 0) return "nothing to do";
-  return fmt::format("loops ask {} of {} objects only whether they answer", statistics.sunk_objects,
-                     statistics.listed_objects);
+std::string sunk(const Found& found) {
+  const Sharing& shared = found.shared();
+  if (shared.listed_objects == 0) return "nothing to do";
+  return fmt::format("loops ask {} of {} objects only whether they answer", shared.sunk_objects, shared.listed_objects);
 }
 
-std::string stages_found(const Statistics& statistics) {
-  return statistics.stages == 0
-             ? "nothing to do"
-             : fmt::format("{} kernels for many frames, one for a single picture", statistics.stages);
+std::string stages_found(const Found& found) {
+  const std::uint32_t stages = found.program.statistics.code.stages;
+  return stages == 0 ? "nothing to do" : fmt::format("{} kernels for many frames, one for a single picture", stages);
 }
 
-/// run_passes, with what each did; those that the generator carries out are described from the module that it gets.
+/// How each pass is told of. Those that are not named here change the module: told by what there is less of.
+struct Telling {
+  std::string_view pass;
+  std::string (*tell)(const Found&);
+};
+constexpr Telling tellings[] = {
+    {"trim-cubes", [](const Found& found) { return writes_code(found.options) ? trimmed(found.module) : ""; }},
+    {"index", listed},
+    {"refine-index", refined},
+    {"chain-seeds", chained},
+    {"fold-affine", [](const Found& found) { return folded(found.module); }},
+    {"unite-shapes", united_found},
+    {"sink-answers", sunk},
+    {"box-tests", [](const Found& found) { return left_out_tests(found.module); }},
+    {"stages", stages_found},
+    {"tapes", tapes_found},
+    {"shorten-tapes", cells_found},
+    {"texel-records", texels_found},
+};
+
+/// run_passes, with what each did to the module.
 std::vector<PassEffect> run_and_tell(Module& module, const CompileOptions& options) {
   std::vector<PassEffect> effects;
   Counts before = count(module);
   for (const PassInfo& pass : pass_names()) {
     PassEffect& effect = effects.emplace_back(PassEffect{pass.name, ""});
-    if (!enabled(options, pass.name)) {
-      effect.effect = "off";
-      continue;
-    }
-    const auto change = [&](void (*run)(Module&)) {
-      run(module);
-      const Counts after = count(module);
-      effect.effect = difference(before, after);
-      before = after;
-    };
-    if (pass.name == "merge-assets") change(merge_assets);
-    if (pass.name == "prune-sides") change(prune_sides);
-    if (pass.name == "drop-unreachable") change(drop_unreachable);
-    if (pass.name == "trim-cubes" && writes_code(options)) {
-      trim_cubes(module, options.atlas_format, options.filter);
-      effect.effect = trimmed(module);
-    }
-    if (pass.name == "fold-affine") effect.effect = folded(module);
-    if (pass.name == "box-tests") effect.effect = left_out_tests(module);
+    if (!is_enabled(options, pass.name)) effect.effect = "off";
+    if (pass.run == nullptr || !is_enabled(options, pass.name)) continue;
+    pass.run(module, options);
+    const Counts after = count(module);
+    effect.effect = difference(before, after);
+    before = after;
   }
-  run_passes(module, options);  // whatever else there is
   return effects;
+}
+
+void tell(std::vector<PassEffect>& effects, const Found& found) {
+  for (PassEffect& effect : effects) {
+    const auto* const telling = std::ranges::find(tellings, effect.pass, &Telling::pass);
+    if (telling != std::end(tellings) && effect.effect != "off") effect.effect = telling->tell(found);
+  }
 }
 
 // ---- what each object costs ----
@@ -308,7 +336,8 @@ class StockTaking {
   void count_lookup(const std::vector<PlacedBox>& boxes, const glm::uvec3& wish, const glm::dvec3& frame_error,
                     RecordBytes& bytes) {
     const IndexOptions index = index_options(options_);
-    const Lookup lookup = build_lookup(boxes, index.use ? wish : glm::uvec3(1), frame_error, index.refine);
+    const Lookup lookup =
+        build_lookup(boxes, index.use ? wish : glm::uvec3(1), frame_error, index.refine, index.widened);
     bytes.cells += lookup.cells.size() * sizeof(std::uint32_t);
     bytes.lists += lookup.lists.size() * sizeof(std::uint32_t);
     if (boxes.size() < 2) return;
@@ -336,33 +365,15 @@ std::optional<Inventory> take_inventory(Module module, const CompileOptions& opt
   auto program = compile(module, options, diagnostics);
   if (!program) return std::nullopt;
   result.program = std::move(*program);
-  const bool shares = result.program.statistics.seed_chains != 0;
+  const bool shares = result.program.statistics.shared.seed_chains != 0;
   const std::vector<SeedChain> chains = shares ? seed_chains(module, options) : std::vector<SeedChain>{};
   StockTaking stock(module, options, chains);
   stock.run();
-  for (PassEffect& effect : result.passes) {
-    if (effect.pass != "index" || effect.effect == "off") continue;
-    const ListsFound& found = stock.found;
-    effect.effect = found.lists == 0
-                        ? "nothing to do"
-                        : fmt::format("{} list{} of {} entries in {} cells, {} at most in one", found.lists,
-                                      found.lists == 1 ? "" : "s", found.entries, found.cells, found.longest);
-  }
-  for (PassEffect& effect : result.passes) {
-    if (effect.effect == "off") continue;
-    if (effect.pass == "tapes") effect.effect = tapes_found(result.program);
-    if (effect.pass == "shorten-tapes") effect.effect = cells_found(result.program);
-    if (effect.pass == "refine-index") effect.effect = refined(stock.found);
-    if (effect.pass == "unite-shapes") effect.effect = united_found(result.program.statistics);
-    if (effect.pass == "chain-seeds") effect.effect = chained(result.program.statistics);
-    if (effect.pass == "sink-answers") effect.effect = sunk(result.program.statistics);
-    if (effect.pass == "stages") effect.effect = stages_found(result.program.statistics);
-    if (effect.pass == "texel-records") effect.effect = texels_found(result.program, options);
-  }
+  tell(result.passes, {module, options, result.program, stock.found});
   result.objects = std::move(stock.objects);
   for (std::size_t i = 0; i < result.objects.size(); ++i) {
     ObjectInventory& object = result.objects[i];
-    object.codegen = result.program.statistics.object_codegen[i].substr(object.name.size() + 2);  // "NAME: "
+    object.codegen = result.program.statistics.objects[i].form;
     for (const Buffer& buffer : result.program.buffers) object.record_bytes += stock.records[i].in(buffer.name);
   }
   return result;

@@ -7,6 +7,16 @@
 
 namespace dmvv::compiler {
 
+std::string validate_spirv(std::span<const std::uint32_t> spirv) {
+  std::string log;
+  spvtools::SpirvTools tools(SPV_ENV_VULKAN_1_2);
+  tools.SetMessageConsumer([&log](spv_message_level_t, const char*, const spv_position_t&, const char* message) {
+    log += message;
+    log += '\n';
+  });
+  return tools.Validate(spirv.data(), spirv.size()) ? std::string() : "spirv-val: " + log;
+}
+
 namespace {
 
 tl::unexpected<Error> generator_bug(const char* stage, const std::string& log, const std::string& glsl) {
@@ -14,49 +24,29 @@ tl::unexpected<Error> generator_bug(const char* stage, const std::string& log, c
               {log, "the shader:", glsl});
 }
 
-std::string validate(const std::vector<std::uint32_t>& spirv) {
-  std::string log;
-  spvtools::SpirvTools tools(SPV_ENV_VULKAN_1_2);
-  tools.SetMessageConsumer([&log](spv_message_level_t, const char*, const spv_position_t&, const char* message) {
-    log += message;
-    log += '\n';
-  });
-  return tools.Validate(spirv) ? std::string() : "spirv-val: " + log;
-}
-
-Result<void> compile_text(const std::string& glsl, std::vector<std::uint32_t>& code, const CodeCache& cache) {
-  const std::string key = code_key(ShaderStage::compute, glsl);
-  code = find_code(cache, key);
-  if (!code.empty()) return {};
-  CompiledGlsl compiled = compile_glsl(ShaderStage::compute, glsl);
-  if (compiled.spirv.empty()) return generator_bug("glslang", compiled.log, glsl);
-  if (const std::string log = validate(compiled.spirv); !log.empty()) return generator_bug("spirv-val", log, glsl);
-  code = std::move(compiled.spirv);
-  if (cache.keep) cache.keep(key, code);
-  return {};
-}
-
-Result<void> compile_kernel(Program& program, Kernel kernel, const CodeCache& cache) {
-  const auto k = static_cast<std::size_t>(kernel);
-  return compile_text(program.glsl[k], program.spirv[k], cache);
-}
-
-Result<void> compile_stages(Program& program, const CodeCache& cache) {
-  for (Stage& stage : program.stages) {
-    if (auto made = compile_text(stage.glsl, stage.spirv, cache); !made) return made;
-  }
+Result<void> compile_shader(Shader& shader, const CodeCache& cache) {
+  const std::string key = code_key(ShaderStage::compute, shader.glsl);
+  shader.spirv = find_code(cache, key);
+  if (!shader.spirv.empty()) return {};
+  CompiledGlsl compiled = compile_glsl(ShaderStage::compute, shader.glsl);
+  if (compiled.spirv.empty()) return generator_bug("glslang", compiled.log, shader.glsl);
+  if (const std::string log = validate_spirv(compiled.spirv); !log.empty())
+    return generator_bug("spirv-val", log, shader.glsl);
+  shader.spirv = std::move(compiled.spirv);
+  if (cache.keep) cache.keep(key, shader.spirv);
   return {};
 }
 
 }  // namespace
 
-Result<void> to_spirv(Program& program, Kernel kernel, const CodeCache& cache) {
-  const bool has_leaders = !program.glsl[static_cast<std::size_t>(Kernel::leaders)].empty();
-  if (kernel == Kernel::pixels && has_leaders) {
-    if (auto made = compile_kernel(program, Kernel::leaders, cache); !made) return made;
+Result<void> to_spirv(Program& program, Source source, const CodeCache& cache) {
+  for (Kernel& kernel : program.kernels) {
+    if (kernel.spec.source != source) continue;
+    for (Shader& shader : kernel.shaders) {
+      if (auto made = compile_shader(shader, cache); !made) return made;
+    }
   }
-  const bool in_stages = kernel == Kernel::pixels && !program.stages.empty();
-  return in_stages ? compile_stages(program, cache) : compile_kernel(program, kernel, cache);
+  return {};
 }
 
 }  // namespace dmvv::compiler

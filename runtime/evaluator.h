@@ -13,7 +13,8 @@ struct Evaluator::Impl {
   PointProbe points;
   Renderer renderer;
 
-  Impl(const Device::Impl& gpu, const compiler::Program& program, std::unique_ptr<Rasteriser> prepared);
+  Impl(const Device::Impl& gpu, const compiler::Program& program, std::shared_ptr<const compiler::Judge> judge,
+       std::unique_ptr<Rasteriser> prepared);
 };
 
 }  // namespace dmvv::runtime

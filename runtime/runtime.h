@@ -20,15 +20,20 @@
 #include "runtime/view/view.h"
 #include "voml/assets/mesh.h"
 
+namespace dmvv::compiler {
+class Judge;  // proofs/judge.h
+}
+
 namespace dmvv::runtime {
 
 /// A program on a device: its buffers and textures uploaded, its pipelines made when first needed.
 class Evaluator {
  public:
   /// Errors: input fault if the program exceeds a limit of the device (names the limit and both numbers), environment
-  /// fault if memory is short or the driver fails (VkResult by name). Adds "upload" to `timings`.
+  /// fault if memory is short or the driver fails (VkResult by name). Adds "upload" to `timings`. With a judge, frames
+  /// leave out what it proves.
   static Result<Evaluator> create(Device& device, const compiler::Program& program, Timings* timings = nullptr,
-                                  PreparedSurface prepared = {});
+                                  PreparedSurface prepared = {}, std::shared_ptr<const compiler::Judge> judge = {});
 
   /// The scene at a time and at points in root coordinates (rounded to float32). Answers in the order of the points.
   /// Needs the points kernel. Adds "pipeline" (first use), "gpu" and "probe" to `timings`. Errors: environment; input

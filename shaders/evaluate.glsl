@@ -1,5 +1,5 @@
 // What every generated evaluation shares: the hit it reports, the standard cube, placements and lookups.
-// Comes after shaders/records.h and the bindings. Set by the generator: DMVV_DEPTH (levels), DMVV_PATHS (record the way
+// Comes after shaders/records.h and the bindings. Set by the generator: DMVV_DEPTH (levels), DMVV_QUERY_PATH (record the way
 // to the region), DMVV_LISTS (there are lists to search).
 
 // The answer at one point. hit_number 0: nothing found (yet).
@@ -15,7 +15,7 @@ bool hit_unfinished = false;
 #ifdef DMVV_STAGE
 uint next_stage = 0u;  // where the point goes on; 0: nowhere
 #endif
-#ifdef DMVV_PATHS
+#ifdef DMVV_QUERY_PATH
 uint hit_levels = 0u;
 uint hit_path[2 * DMVV_DEPTH];  // (region, candidate) a level
 #endif
@@ -24,7 +24,7 @@ void answer(uint region, uint number, vec3 p, uint level) {
   hit_number = number;
   hit_region = region;
   hit_p = p;
-#ifdef DMVV_PATHS
+#ifdef DMVV_QUERY_PATH
   hit_levels = level + 1u;
   hit_path[2u * level] = region;
   hit_path[2u * level + 1u] = 0u;
@@ -33,7 +33,7 @@ void answer(uint region, uint number, vec3 p, uint level) {
 
 // Notes by which candidate the answer below `level` was reached.
 void came_through(uint region, uint candidate, uint level) {
-#ifdef DMVV_PATHS
+#ifdef DMVV_QUERY_PATH
   hit_path[2u * level] = region;
   hit_path[2u * level + 1u] = candidate;
 #endif

@@ -1,5 +1,5 @@
 // Kernel `pixels`: the scene at the visible surface of the support mesh, one point a pixel. Comes after the evaluation
-// and shaders/pixel_io.glsl. DMVV_LEADERS: kernel `leaders`, which tells the pixel's tile as well. DMVV_STAGE: a stage of it
+// and shaders/pixel_io.glsl. DMVV_QUERY_RADIUS: kernel `leaders`, which tells the pixel's tile as well. DMVV_STAGE: a stage of it
 // alone; DMVV_STAGES_FOLLOW: from which pixels may go on.
 
 #ifdef DMVV_STAGE
@@ -25,7 +25,7 @@ void main() {
   vec4 color = color_of(hit_region, hit_p);
   vec4 rgba = hit_number != 0u ? shade(color, surface) : vec4(0.0);
   store_pixel(pixel, rgba, hit_number, hit_unfinished);
-#ifdef DMVV_LEADERS
+#ifdef DMVV_QUERY_RADIUS
   ivec2 tile = ivec2(pixel / DMVV_LEADER_TILE);
   bool is_known = in_cube(p) && !hit_unfinished && !(hit_number != 0u && has_bitmap(hit_region));
   imageStore(leader_place, tile, vec4(p, is_known ? reach : -1.0));

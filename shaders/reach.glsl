@@ -1,7 +1,7 @@
 // How far an answer holds: while it is found, what each step says of the points nearby is kept. Comes after
 // shaders/evaluate.glsl, in programs whose generator was told how steep their sources are (compiler/proofs/steepness.h).
-// DMVV_LEADERS: the kernel asks; in the others all of this is nothing.
-#ifdef DMVV_LEADERS
+// DMVV_QUERY_RADIUS: the kernel asks; in the others all of this is nothing.
+#ifdef DMVV_QUERY_RADIUS
 
 // All points within this distance of the point (root coordinates) get the same answer; not positive: nothing is known.
 float reach = 3.0e38;

@@ -6,35 +6,25 @@
 
 #ifdef __cplusplus
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
 namespace dmvv::gpu {
 using uint = std::uint32_t;
 using vec4 = glm::vec4;
+using uvec2 = glm::uvec2;
 using uvec4 = glm::uvec4;
 #endif
 
 // ---- bindings of descriptor set 0: the scene (a program lists the ones it uses) ----
 #define DMVV_BIND_GRID_ATLAS 0
 #define DMVV_BIND_BITMAP_ATLAS 1
-#define DMVV_BIND_NODES 2
-#define DMVV_BIND_SDFS 3
-#define DMVV_BIND_REGIONS 4
-#define DMVV_BIND_GROUPS 5
-#define DMVV_BIND_PLACEMENTS 6
-#define DMVV_BIND_CELLS 7
-#define DMVV_BIND_LISTS 8
-#define DMVV_BIND_OBJECTS 9
-#define DMVV_BIND_TIME 10  // float[]: what depends on time alone, computed on the CPU for each frame
-#define DMVV_BIND_TAPE_CELLS 14  // uint[]: a cell's side if it is known, else its tape
-#define DMVV_BIND_TAPES 15       // uvec2[]: for each tape (instructions, 0), then its instructions (compiler/snippet/tape.h)
-#define DMVV_BIND_PARAMETERS 11  // uvec4[]: what differs between functions of one shape
-#define DMVV_BIND_SCALINGS 12  // vec4[]: seeds that only scale and move, q = p * w + xyz
+// From 2 on: compiler/layout/scene_buffers.def.
 
 // ---- bindings of descriptor set 1 ----
 // kernel `points`
 #define DMVV_BIND_POINTS 0   // readonly vec4[count]: xyz root coordinates
 #define DMVV_BIND_ANSWERS 1  // writeonly uint[count * (DMVV_ANSWER_HEADER + 2 * depth)]
-// kernel `pixels`, and `list` that comes before it
+// kernels over pixels, and `list` that comes before it
 #define DMVV_BIND_SURFACE 0  // rgba32ui: the visible surface (shaders/surface.glsl)
 #define DMVV_BIND_COLOR 1    // rgba32f out: straight alpha; 0 where there is nothing
 #define DMVV_BIND_BYTES 2    // r32ui out, in place of it: 8 bits a channel, red lowest

@@ -86,7 +86,7 @@ Evaluation Generator::finish() {
   }
   out_.glsl = families_.take(scene_functions());
   out_.inlined_lines = plan_.inlined_lines;
-  out_.object_codegen = std::move(plan_.object_codegen);
+  out_.object_forms = std::move(plan_.object_forms);
   return std::move(out_);
 }
 
@@ -102,19 +102,17 @@ void Generator::measure_sources() {
 }
 
 void Generator::emit_functions() {
-  std::size_t next_time_value = 0;
   for (std::uint32_t i = 0; i < module_.functions.size(); ++i) {
     const Function& function = module_.functions[i];
+    const std::size_t next_time_value = out_.time_slots.size();
     const std::string name = function_name({i});
     const std::string text = is_tape({i}) ? tape_call(name, options_.tapes->functions[i], next_time_value)
                                           : function.snippet.glsl(name, next_time_value);
     families_.add(name, fmt::format("// {}\n{}\n", function.name, text));
-    const std::size_t values = function.snippet.time_value_count();
-    if (values == 0) continue;
-    out_.time_functions.push_back({function.snippet, next_time_value});
-    next_time_value += values;
+    const std::vector<snippet::TimeSlot>& slots = function.snippet.time_split().slots;
+    out_.time_slots.insert(out_.time_slots.end(), slots.begin(), slots.end());
   }
-  out_.uses.time = next_time_value != 0;
+  out_.uses.time = !out_.time_slots.empty();
 }
 
 void Generator::use_walker() {

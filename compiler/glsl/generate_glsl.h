@@ -10,12 +10,12 @@
 #include "compiler/glsl/kernel.h"
 #include "compiler/grids/storage.h"
 #include "compiler/layout/flatten.h"
-#include "compiler/layout/record_access.h"
+#include "compiler/layout/scene_buffers.h"
 #include "compiler/layout/tapes.h"
 #include "compiler/plan/codegen.h"
 #include "compiler/plan/cost_model.h"
 #include "compiler/plan/stage_options.h"
-#include "compiler/snippet/time_function.h"
+#include "compiler/snippet/time_slot.h"
 
 namespace dmvv::compiler {
 
@@ -63,15 +63,15 @@ struct Evaluation {
   std::map<Id<Object>, bool> listed;  ///< objects that loops call; whether by two steps (pass sink-answers)
   std::uint32_t stage_count = 0;      ///< 0: there are none
   std::vector<StageText> stages;  ///< the same in parts: stage k is `void stage_k(vec3 p)`, which may set next_stage
-  std::vector<TimeFunction> time_functions;
-  std::vector<glm::uvec4> parameters;  ///< of united functions (compiler/glsl/families.h)
+  std::vector<snippet::TimeSlot> time_slots;  ///< the buffer `time_values`, float by float
+  std::vector<glm::uvec4> parameters;         ///< of united functions (compiler/glsl/families.h)
   std::map<Id<Object>, std::uint32_t>
       united;  ///< what PlacementRecord::united says where such an object is a candidate
   Uses uses;
   std::uint32_t inlined_lines = 0;
   Codegen codegen = Codegen::automatic;
   Filter filter = Filter::hardware;
-  std::vector<std::string> object_codegen;  ///< a line an object: which form it got, and why
+  std::vector<std::string> object_forms;  ///< of each object: which form it got, and why
 };
 
 /// Generates the evaluation.
@@ -84,12 +84,9 @@ struct Evaluation {
 Evaluation generate_evaluation(const Module& module, const Records& records, const Atlas& grid_atlas,
                                const GlslOptions& options);
 
-/// The complete text of a kernel: version, records, bindings in use, evaluation, main.
-std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Kernel kernel, RecordAccess access);
-
-/// Likewise, of the kernel `pixels` one of its stages.
-std::string generate_stage_glsl(const Evaluation& evaluation, std::uint32_t depth, std::size_t stage,
-                                RecordAccess access);
+/// The complete text of a kernel's shader: version, records, bindings in use, evaluation, main.
+std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, const KernelSpec& kernel,
+                          RecordAccess access, std::optional<std::size_t> stage = {});
 
 /// Does the image of the standard cube lie in the box, float32 rounding included? Then `box_tests` leaves its test out.
 bool cube_maps_into(const Affine& affine, const LocalBox& box);

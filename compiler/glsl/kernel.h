@@ -1,17 +1,35 @@
-// What is asked of a scene, and from where: each is a compute shader of its own.
+// A kernel asks the scene about points: where they come from and what is asked of each are data.
 #pragma once
 
-#include <cstddef>
+#include <array>
 #include <cstdint>
+#include <string_view>
 
 namespace dmvv::compiler {
 
-/// The entry points of a program; each is a compute shader of its own (interfaces: shaders/points.comp, pixels.comp).
-enum class Kernel : std::uint8_t {
-  points,   ///< points in a buffer -> region, path and colour of each
-  pixels,   ///< surface positions in images -> colour and region of each pixel
-  leaders,  ///< as pixels, and how far each answer holds; if made at all (CompileOptions::many_frames)
+/// Where a kernel's points come from.
+enum class Source : std::uint8_t {
+  points,   ///< a buffer of points (shaders/points.comp)
+  surface,  ///< what each pixel of a picture sees first (shaders/pixels.comp)
 };
-inline constexpr std::size_t kernel_count = 3;
+
+/// What a kernel asks of a point beside its region and colour.
+struct Query {
+  bool path = false;    ///< region and candidate of each level
+  bool radius = false;  ///< how far around the point the answer holds (shaders/reach.glsl)
+};
+
+/// A kernel is one compute shader, or several that run after each other (compiler/plan/stage_plan.h).
+struct KernelSpec {
+  std::string_view name;
+  Source source;
+  Query query;
+};
+
+inline constexpr KernelSpec points_kernel{"points", Source::points, {.path = true}};
+inline constexpr KernelSpec pixels_kernel{"pixels", Source::surface, {}};
+inline constexpr KernelSpec leaders_kernel{"leaders", Source::surface, {.radius = true}};
+/// Every kernel that can be made of a scene. `compile` leaves out those whose query nothing answers.
+inline constexpr std::array kernel_specs{points_kernel, pixels_kernel, leaders_kernel};
 
 }  // namespace dmvv::compiler

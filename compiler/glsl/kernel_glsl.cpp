@@ -5,7 +5,7 @@
 #include "compiler/glsl/generate_glsl.h"
 #include "compiler/glsl/kernel.h"
 #include "compiler/grids/storage.h"
-#include "compiler/layout/record_access.h"
+#include "compiler/layout/scene_buffers.h"
 #include "compiler/plan/codegen.h"
 #include "compiler/shader_text.h"
 #include "shaders/records.h"
@@ -19,53 +19,41 @@ std::string_view format_name(BufferForm form) {
   return form == BufferForm::rg32ui ? "rg32ui" : "rgba32ui";
 }
 
+std::string declaration(const SceneBuffer& buffer, RecordAccess access) {
+  const BufferForm form = buffer.form(access);
+  if (form != BufferForm::records) {
+    return fmt::format("layout(set = 0, binding = {}, {}) readonly uniform uimageBuffer {};\n", buffer.binding,
+                       format_name(form), buffer.name);
+  }
+  return fmt::format("layout(set = 0, binding = {0}, std430) readonly buffer buffer_{1} {{ {2} {1}[]; }};\n",
+                     buffer.binding, buffer.name, buffer.element);
+}
+
 std::string bindings(const Uses& uses, RecordAccess access) {
   std::string text;
   const auto sampler = [&](const char* slot, const char* name) {
     text += fmt::format("layout(set = 0, binding = {}) uniform sampler3D {};\n", slot, name);
   };
-  const auto buffer = [&](const char* slot, const char* block, const char* type, const char* name) {
-    text += fmt::format("layout(set = 0, binding = {}, std430) readonly buffer {} {{ {} {}[]; }};\n", slot, block, type,
-                        name);
-  };
-  const auto found = [&](std::uint32_t binding, const char* slot, const char* block, const char* type,
-                         const char* name) {
-    const BufferForm form = form_of(binding, access);
-    if (form == BufferForm::records) return buffer(slot, block, type, name);
-    text += fmt::format("layout(set = 0, binding = {}, {}) readonly uniform uimageBuffer {};\n", slot,
-                        format_name(form), name);
-  };
   if (uses.grid_atlas) sampler("DMVV_BIND_GRID_ATLAS", "grid_atlas");
   if (uses.bitmap_atlas) sampler("DMVV_BIND_BITMAP_ATLAS", "bitmap_atlas");
-  if (uses.placements)
-    found(DMVV_BIND_PLACEMENTS, "DMVV_BIND_PLACEMENTS", "Placements", "PlacementRecord", "placements");
-  if (uses.lists) found(DMVV_BIND_CELLS, "DMVV_BIND_CELLS", "Cells", "uint", "cells");
-  if (uses.lists) found(DMVV_BIND_LISTS, "DMVV_BIND_LISTS", "Lists", "uint", "lists");
-  if (uses.walker) {
-    buffer("DMVV_BIND_NODES", "Nodes", "NodeRecord", "nodes");
-    buffer("DMVV_BIND_SDFS", "Sdfs", "SdfRecord", "sdfs");
-    buffer("DMVV_BIND_GROUPS", "Groups", "GroupRecord", "groups");
-    buffer("DMVV_BIND_OBJECTS", "Objects", "uint", "objects");
-  }
-  if (uses.tapes) found(DMVV_BIND_TAPE_CELLS, "DMVV_BIND_TAPE_CELLS", "TapeCells", "uint", "tape_cells");
-  if (uses.tapes) found(DMVV_BIND_TAPES, "DMVV_BIND_TAPES", "Tapes", "uvec2", "tapes");
-  if (uses.scalings) found(DMVV_BIND_SCALINGS, "DMVV_BIND_SCALINGS", "Scalings", "vec4", "scalings");
-  if (uses.parameters) found(DMVV_BIND_PARAMETERS, "DMVV_BIND_PARAMETERS", "Parameters", "uvec4", "parameters");
-  if (uses.time) buffer("DMVV_BIND_TIME", "TimeValues", "float", "time_values");
-  if (uses.walker || uses.region_colors) buffer("DMVV_BIND_REGIONS", "Regions", "RegionRecord", "regions");
+#define DMVV_SCENE_BUFFER(name, number, element, texels, present, contents) \
+  if (present) text += declaration(*find_scene_buffer(number), access);
+#include "compiler/layout/scene_buffers.def"
+#undef DMVV_SCENE_BUFFER
   return text;
 }
 
-/// `stage`: of the kernel `pixels` this one alone.
-std::string kernel_text(const Evaluation& evaluation, std::uint32_t depth, Kernel kernel, RecordAccess access,
-                        std::optional<std::size_t> stage) {
+}  // namespace
+
+std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, const KernelSpec& kernel,
+                          RecordAccess access, std::optional<std::size_t> stage) {
   const Uses& uses = evaluation.uses;
   const bool own_filter = uses.grid_atlas && evaluation.filter != Filter::hardware;
   std::string text = "#version 460\n";
   text += fmt::format("#define DMVV_DEPTH {}\n", depth);
-  if (kernel == Kernel::points) text += "#define DMVV_PATHS\n";
+  if (kernel.query.path) text += "#define DMVV_QUERY_PATH\n";
   if (uses.reach) text += "#define DMVV_REACH\n";
-  if (kernel == Kernel::leaders) text += "#define DMVV_LEADERS\n";
+  if (kernel.query.radius) text += "#define DMVV_QUERY_RADIUS\n";
   if (stage) text += fmt::format("#define DMVV_STAGE {}\n", *stage);
   if (stage && evaluation.stages[*stage].has_next) text += "#define DMVV_STAGES_FOLLOW\n";
   if (access == RecordAccess::texels) text += "#define DMVV_TEXELS\n";
@@ -81,8 +69,8 @@ std::string kernel_text(const Evaluation& evaluation, std::uint32_t depth, Kerne
   text += shader_text::records;
   text += bindings(uses, access);
   text += shader_text::access;
-  if (kernel != Kernel::points) text += shader_text::surface;
-  if (kernel != Kernel::points) text += shader_text::pixel_io;
+  if (kernel.source == Source::surface) text += shader_text::surface;
+  if (kernel.source == Source::surface) text += shader_text::pixel_io;
   if (stage) text += shader_text::queues;
   text += shader_text::evaluate;
   if (uses.reach) text += shader_text::reach;
@@ -92,19 +80,8 @@ std::string kernel_text(const Evaluation& evaluation, std::uint32_t depth, Kerne
   text += "\n// ---- the scene ----\n";
   text += stage ? evaluation.stages[*stage].glsl + fmt::format("void evaluate(vec3 p) {{ stage_{}(p); }}\n", *stage)
                 : evaluation.glsl;
-  text += kernel == Kernel::points ? shader_text::points : shader_text::pixels;
+  text += kernel.source == Source::points ? shader_text::points : shader_text::pixels;
   return text;
-}
-
-}  // namespace
-
-std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, Kernel kernel, RecordAccess access) {
-  return kernel_text(evaluation, depth, kernel, access, std::nullopt);
-}
-
-std::string generate_stage_glsl(const Evaluation& evaluation, std::uint32_t depth, std::size_t stage,
-                                RecordAccess access) {
-  return kernel_text(evaluation, depth, Kernel::pixels, access, stage);
 }
 
 }  // namespace dmvv::compiler

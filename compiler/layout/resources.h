@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "compiler/grids/storage.h"
-#include "compiler/layout/record_access.h"
+#include "compiler/layout/scene_buffers.h"
 
 namespace dmvv::compiler {
 

@@ -253,27 +253,19 @@ class Planning {
   }
 
   void describe() {
-    for (std::size_t i = 0; i < module_.objects.size(); ++i) {
-      const std::string& name = module_.objects[i].name;
-      if (options_.codegen == Codegen::table) {
-        plan_.object_codegen.push_back(name + ": table");
-      } else if (options_.codegen == Codegen::thesis) {
-        plan_.object_codegen.push_back(name + ": thesis");
-      } else if (too_deep_[i]) {
-        plan_.object_codegen.push_back(
-            fmt::format("{}: table, specialised code would nest more than {} conditions", name, most_nested));
-      } else if (walks_cheaper(i)) {
-        plan_.object_codegen.push_back(fmt::format("{}: table, {:.0f} ns a point expected in place of {:.0f}", name,
-                                                   costs_[i].walked, costs_[i].specialised));
-      } else if (plan_.cut[i]) {
-        plan_.object_codegen.push_back(
-            fmt::format("{}: table, specialised code would exceed {} lines", name, options_.inlined_line_budget));
-      } else if (plan_.needed[i]) {
-        plan_.object_codegen.push_back(name + ": specialised");
-      } else {
-        plan_.object_codegen.push_back(name + ": table, below an object that was cut");
-      }
+    for (std::size_t i = 0; i < module_.objects.size(); ++i) plan_.object_forms.push_back(form_of_object(i));
+  }
+
+  std::string form_of_object(std::size_t i) const {
+    if (options_.codegen == Codegen::table) return "table";
+    if (options_.codegen == Codegen::thesis) return "thesis";
+    if (too_deep_[i]) return fmt::format("table, specialised code would nest more than {} conditions", most_nested);
+    if (walks_cheaper(i)) {
+      return fmt::format("table, {:.0f} ns a point expected in place of {:.0f}", costs_[i].walked,
+                         costs_[i].specialised);
     }
+    if (plan_.cut[i]) return fmt::format("table, specialised code would exceed {} lines", options_.inlined_line_budget);
+    return plan_.needed[i] ? "specialised" : "table, below an object that was cut";
   }
 
   const Module& module_;

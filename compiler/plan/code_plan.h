@@ -42,7 +42,7 @@ struct CodePlan {
   std::vector<bool> needed;                                 ///< objects that are called at all
   std::uint32_t inlined_lines = 0;                          ///< estimate of the evaluation after inlining
   std::vector<std::vector<std::uint32_t>> group_lines;      ///< of each region and group: likewise, of what it calls
-  std::vector<std::string> object_codegen;                  ///< a line an object: which form it got, and why
+  std::vector<std::string> object_forms;                    ///< of each object: which form it got, and why
 
   bool walks() const;  ///< is any object cut?
 };

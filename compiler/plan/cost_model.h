@@ -22,7 +22,7 @@ struct DeviceCosts {
   friend bool operator==(const DeviceCosts&, const DeviceCosts&) = default;
 };
 
-/// As runtime::calibrate measures lavapipe (Mesa 22.3.6) on 2 cores: the defaults.
+/// As session::calibrate measures lavapipe (Mesa 22.3.6) on 2 cores: the defaults.
 DeviceCosts costs_of_cpu();
 /// Of a GPU, where nothing was measured: branches skip, and walking costs latency.
 DeviceCosts costs_of_gpu();

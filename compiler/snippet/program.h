@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -17,6 +18,12 @@ enum class Op : std::uint8_t {
 #include "compiler/snippet/ops.def"
 #undef DMVV_OP
 };
+
+inline constexpr std::size_t op_count = 0
+#define DMVV_OP(name, result, operands) +1
+#include "compiler/snippet/ops.def"
+#undef DMVV_OP
+    ;
 
 /// What the table says of an operation.
 struct OpInfo {

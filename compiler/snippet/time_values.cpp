@@ -670,14 +670,17 @@ TimeSplit split_time(const Program& program) {
   return Splitter(program, Levels(program, true), periods).run();
 }
 
-std::vector<float> Snippet::time_values(double t_ms) const {
+std::vector<float> time_values(std::span<const TimeSlot> slots, double t_ms) {
   std::vector<float> values;
-  for (const TimeSlot& slot : split_->slots) {
+  values.reserve(slots.size());
+  for (const TimeSlot& slot : slots) {
     values.push_back(
         static_cast<float>(reduce(evaluate_point<double>(slot.program, {0.0, 0.0, 0.0, t_ms}).f, slot.period)));
   }
   return values;
 }
+
+std::vector<float> Snippet::time_values(double t_ms) const { return snippet::time_values(split_->slots, t_ms); }
 
 std::size_t Snippet::time_value_count() const { return split_->slots.size(); }
 

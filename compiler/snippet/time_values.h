@@ -7,6 +7,7 @@
 
 #include "compiler/snippet/evaluate.h"
 #include "compiler/snippet/program.h"
+#include "compiler/snippet/time_slot.h"
 
 namespace dmvv::compiler::snippet {
 
@@ -14,20 +15,6 @@ namespace dmvv::compiler::snippet {
 struct Hoisted {
   Type type;
   std::uint32_t first_slot;  ///< a real or bool takes one slot, an integer two: its high 16 bits, and its low ones
-};
-
-/// A time value may be reduced where only its remainder matters: as a summand of the argument of a periodic function.
-enum class Period : std::uint8_t {
-  none,
-  turn,  ///< 2 pi: sin, cos, tan
-  one,   ///< 1: fract
-};
-
-/// One float of Snippet::time_values: a register of the schedule, real.
-struct TimeSlot {
-  Register result;
-  Period period;
-  Program program;  ///< the part of the schedule that computes it, as its result
 };
 
 /// A program in two parts: what depends on t alone, and the rest.

@@ -30,16 +30,18 @@ FrameKernels::FrameKernels(const Device::Impl& gpu, const SceneOnDevice& scene, 
                            vk::raii::DescriptorSetLayout verdicts)
     : gpu_(gpu),
       has_bitmaps_(scene.has_bitmaps()),
-      code_of_pixels_(program.code(compiler::Kernel::pixels)),
-      code_of_leaders_(program.code(compiler::Kernel::leaders)),
       io_layout_(make_set_layout(gpu, pixel_bindings)),
       verdict_layout_(std::move(verdicts)),
       layout_(make_pipeline_layout(gpu, std::array{*scene.layout(), *io_layout_}, sizeof(gpu::PixelsParams))),
       layout_with_verdicts_(make_pipeline_layout(gpu, std::array{*scene.layout(), *io_layout_, *verdict_layout_},
                                                  sizeof(gpu::PixelsParams))) {
-  for (const compiler::Stage& stage : program.stages) {
-    code_of_stages_.push_back(stage.spirv);
-    stages_go_on_.push_back(stage.has_next);
+  if (const auto* leaders = program.find_kernel(compiler::leaders_kernel.name))
+    code_of_leaders_ = leaders->shaders.front().spirv;
+  const auto* const pixels = program.find_kernel(compiler::pixels_kernel.name);
+  if (pixels == nullptr) return;
+  for (const compiler::Shader& shader : pixels->shaders) {
+    code_of_pixels_.push_back(shader.spirv);
+    if (pixels->is_staged()) stages_go_on_.push_back(shader.has_next);
   }
 }
 
@@ -59,11 +61,12 @@ std::span<const std::uint32_t> FrameKernels::code_of(Step step, std::uint32_t st
     case Step::follow:
       return follow_comp;
     case Step::evaluate:
-      return code_of_pixels_;
+      if (code_of_pixels_.empty()) return {};
+      return code_of_pixels_.front();
     case Step::count_stages:
       return count_stages_comp;
     case Step::stage:
-      return code_of_stages_[stage];
+      return code_of_pixels_[stage];
     case Step::distribute:
       return distribute_comp;
     case Step::count_hits:

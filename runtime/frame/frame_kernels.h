@@ -59,8 +59,8 @@ class FrameKernels {
 
   const Device::Impl& gpu_;
   bool has_bitmaps_;
-  std::vector<std::uint32_t> code_of_pixels_, code_of_leaders_;
-  std::vector<std::vector<std::uint32_t>> code_of_stages_;
+  std::vector<std::uint32_t> code_of_leaders_;
+  std::vector<std::vector<std::uint32_t>> code_of_pixels_;  ///< of each stage
   std::vector<bool> stages_go_on_;
   vk::raii::DescriptorSetLayout io_layout_, verdict_layout_;
   vk::raii::PipelineLayout layout_, layout_with_verdicts_;

@@ -56,7 +56,9 @@ struct PointProbe::Batch {
 };
 
 PointProbe::PointProbe(const Device::Impl& gpu, const SceneOnDevice& scene, const compiler::Program& program)
-    : gpu_(gpu), scene_(scene), code_(program.code(compiler::Kernel::points)), depth_(program.depth) {}
+    : gpu_(gpu), scene_(scene), depth_(program.depth) {
+  if (const auto* kernel = program.find_kernel(compiler::points_kernel.name)) code_ = kernel->shaders.front().spirv;
+}
 
 Result<void> PointProbe::make_kernel() {
   if (code_.empty()) return fail(Fault::environment, "the program was compiled without its kernel 'points'");

@@ -39,10 +39,10 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 }  // namespace
 
 Renderer::Renderer(const Device::Impl& gpu, SceneOnDevice& scene, const compiler::Program& program,
-                   std::unique_ptr<Rasteriser> prepared)
+                   std::shared_ptr<const compiler::Judge> judge, std::unique_ptr<Rasteriser> prepared)
     : gpu_(gpu),
       scene_(scene),
-      judge_(program.judge),
+      judge_(std::move(judge)),
       kernels_(gpu, scene, program, make_set_layout(gpu, verdict_bindings)),
       rasteriser_(std::move(prepared)),
       strategies_({.has_judge = judge_ != nullptr, .has_leaders = kernels_.has_leaders()}) {}

@@ -23,8 +23,9 @@ namespace dmvv::runtime {
 class Renderer {
  public:
   /// `prepared` may hold a rasteriser that was made while the program was compiled.
+  /// The judge may be null: then nothing is proven.
   Renderer(const Device::Impl& gpu, SceneOnDevice& scene, const compiler::Program& program,
-           std::unique_ptr<Rasteriser> prepared);
+           std::shared_ptr<const compiler::Judge> judge, std::unique_ptr<Rasteriser> prepared);
 
   /// As Evaluator::render. The scene's time is set.
   Result<Picture> render(const View& view, Timings* timings);

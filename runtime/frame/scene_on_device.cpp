@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "compiler/layout/scene_buffers.h"
 #include "compiler/snippet/time_range.h"
 #include "runtime/gpu/uploads.h"
 #include "shaders/records.h"
@@ -143,7 +144,7 @@ std::optional<Error> SceneOnDevice::fault(const Device::Impl& gpu, const compile
 SceneOnDevice::SceneOnDevice(const Device::Impl& gpu, const compiler::Program& program)
     : has_bitmaps_(std::ranges::find(program.textures, std::uint32_t{DMVV_BIND_BITMAP_ATLAS},
                                      &compiler::Texture::binding) != program.textures.end()),
-      time_functions_(program.time_functions) {
+      time_slots_(program.time_slots) {
   upload(gpu, program);
   bind(gpu, program);
 }
@@ -152,7 +153,7 @@ void SceneOnDevice::upload(const Device::Impl& gpu, const compiler::Program& pro
   using Usage = vk::BufferUsageFlagBits;
   Uploads uploads(gpu);
   for (const compiler::Buffer& buffer : program.buffers) {
-    if (buffer.binding == DMVV_BIND_TIME) {
+    if (buffer.binding == compiler::scene_binding::time_values) {
       time_buffer_ = buffers_.size();
       buffers_.push_back(gpu.make_buffer(buffer.bytes.size(), Usage::eStorageBuffer, MemoryUse::upload));
       continue;
@@ -200,18 +201,16 @@ void SceneOnDevice::bind(const Device::Impl& gpu, const compiler::Program& progr
   for (std::size_t i = 0; i < textures_.size(); ++i) set_.write(program.textures[i].binding, textures_[i], sampler_);
 }
 
-std::optional<Error> SceneOnDevice::time_fault(double time_ms) {
-  if (std::abs(time_ms) <= compiler::any_time_ms) return std::nullopt;
-  return Error{Fault::input,
-               fmt::format("the time {} ms is out of range", time_ms),
-               {fmt::format("use one between -{0} and {0} ms", compiler::any_time_ms)}};
-}
-
-void SceneOnDevice::set_time(double time_ms) {
+Result<void> SceneOnDevice::set_time(double time_ms) {
+  if (!(std::abs(time_ms) <= compiler::any_time_ms)) {
+    return fail(Fault::input, fmt::format("the time {} ms is out of range", time_ms),
+                {fmt::format("use one between -{0} and {0} ms", compiler::any_time_ms)});
+  }
   now_ms_ = time_ms;
-  if (!time_buffer_) return;
-  time_values_ = compiler::time_values(time_functions_, time_ms);
+  if (!time_buffer_) return {};
+  time_values_ = compiler::snippet::time_values(time_slots_, time_ms);
   std::memcpy(buffers_[*time_buffer_].mapped, time_values_.data(), time_values_.size() * sizeof(float));
+  return {};
 }
 
 }  // namespace dmvv::runtime

@@ -22,10 +22,9 @@ class SceneOnDevice {
   vk::DescriptorSet set() const { return *set_; }
   bool has_bitmaps() const { return has_bitmaps_; }
 
-  /// Errors (input): a time beyond compiler::any_time_ms.
-  static std::optional<Error> time_fault(double time_ms);
   /// Writes what depends on time alone. Nothing that reads it may be under way.
-  void set_time(double time_ms);
+  /// Errors (input): a time beyond compiler::any_time_ms.
+  Result<void> set_time(double time_ms);
   double now_ms() const { return now_ms_; }
   const std::vector<float>& time_values() const { return time_values_; }
 
@@ -41,7 +40,7 @@ class SceneOnDevice {
   DescriptorSet set_;
   bool has_bitmaps_ = false;
 
-  std::vector<compiler::TimeFunction> time_functions_;
+  std::vector<compiler::snippet::TimeSlot> time_slots_;
   std::optional<std::size_t> time_buffer_;  ///< index into buffers_: mapped
   double now_ms_ = 0.0;
   std::vector<float> time_values_;

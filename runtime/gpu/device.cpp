@@ -3,14 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <chrono>
-#include <cstdlib>
-#include <deque>
 #include <filesystem>
 #include <string_view>
 
-#include "base/files.h"
+#include "base/text.h"
+#include "compiler/layout/scene_buffers.h"
 #include "runtime/gpu/gpu.h"
 #include "runtime/gpu/own_sines.h"
 
@@ -134,8 +132,8 @@ std::string driver_text(const vk::PhysicalDeviceProperties& properties,
 DeviceInfo describe(const vk::raii::PhysicalDevice& physical, const DeviceExtras& extras) {
   const vk::PhysicalDeviceProperties properties = physical.getProperties();
   const vk::PhysicalDeviceLimits& limits = properties.limits;
-  const bool has_record_texels =
-      extras.two_word_texels && limits.maxPerStageDescriptorStorageImages >= images_of_pixels + most_texel_buffers;
+  const bool has_record_texels = extras.two_word_texels && limits.maxPerStageDescriptorStorageImages >=
+                                                               images_of_pixels + compiler::most_texel_buffers;
   return {.name = properties.deviceName,
           .kind = kind_name(properties.deviceType),
           .driver = driver_text(properties, driver_of(physical)),
@@ -224,12 +222,6 @@ Offer offered_devices(const vk::raii::Instance& instance) {
   return offer;
 }
 
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return lower;
-}
-
 std::string refusal_text(const Refusal& refused) {
   return fmt::format("{} lacks {}", refused.name, fmt::join(refused.lacks, "; "));
 }
@@ -290,22 +282,6 @@ Result<Device> open_device(const DeviceOptions& options, bool has_extras = true)
   impl->cache = options.cache;
   open_queue(*impl);
   return Device(std::move(impl));
-}
-
-/// The driver finds an empty cache, this device's own. Drivers read these when the instance is made; there is no call
-/// for it.
-void empty_driver_cache() {
-  static std::mutex mutex;
-  static std::deque<TemporaryFolder> folders;  // they go with the process: a driver may write to the end
-  const std::lock_guard lock(mutex);
-  const TemporaryFolder& folder = folders.emplace_back();
-  if (folder.path().empty()) {
-    setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
-    setenv("__GL_SHADER_DISK_CACHE", "0", 1);
-  } else {
-    setenv("MESA_SHADER_CACHE_DIR", folder.path().c_str(), 1);
-    setenv("__GL_SHADER_DISK_CACHE_PATH", folder.path().c_str(), 1);
-  }
 }
 
 }  // namespace
@@ -429,10 +405,7 @@ Stopwatch::~Stopwatch() {
 Device::Device(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Result<Device> Device::create(const DeviceOptions& options) {
-  return guarded("opening the device", [&]() -> Result<Device> {
-    if (!options.driver_cache) empty_driver_cache();
-    return open_device(options);
-  });
+  return guarded("opening the device", [&] { return open_device(options); });
 }
 
 Result<Device> create_without_extras(const DeviceOptions& options) {
@@ -440,12 +413,13 @@ Result<Device> create_without_extras(const DeviceOptions& options) {
 }
 
 std::shared_future<Result<Device>> Device::create_async(const DeviceOptions& options) {
-  if (!options.driver_cache) empty_driver_cache();
   return std::async(std::launch::async,
                     [options] { return guarded("opening the device", [&] { return open_device(options); }); });
 }
 
 const DeviceInfo& Device::info() const { return impl_->info; }
+
+std::shared_ptr<const DiskCache> Device::cache() const { return impl_->cache; }
 
 std::vector<std::string> Device::validation_messages() const {
   const std::lock_guard lock(impl_->log->mutex);

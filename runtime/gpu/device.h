@@ -15,9 +15,6 @@ namespace dmvv::runtime {
 struct DeviceOptions {
   std::string name;  ///< part of a device's name, any case; empty: the first discrete GPU, else integrated, else CPU
   bool validation = false;  ///< Khronos validation layer on; its messages are collected
-  /// False: the driver's own shader cache begins empty for this device, in a folder that goes with the process (set by
-  /// its environment: not while other threads read that).
-  bool driver_cache = true;
   /// Keeps pipelines for those drivers that give them away; may be null.
   std::shared_ptr<const DiskCache> cache = nullptr;
 };
@@ -55,6 +52,8 @@ class Device {
   static std::shared_future<Result<Device>> create_async(const DeviceOptions& options);
 
   const DeviceInfo& info() const;
+  /// DeviceOptions::cache.
+  std::shared_ptr<const DiskCache> cache() const;
   /// All messages of the validation layer so far; empty if it is off or has nothing to say.
   std::vector<std::string> validation_messages() const;
 

@@ -45,9 +45,6 @@ struct GpuImage {
 /// Descriptors that kernels over pixels have beside the scene's (runtime/frame/render.cpp, shaders/pixel_io.glsl):
 /// images; buffers, the four of the verdicts included.
 inline constexpr std::uint32_t images_of_pixels = 7, buffers_of_pixels = 8;
-/// Buffers of a scene that can be texels, which count as images (compiler/glsl/generate_glsl.h: form_of).
-inline constexpr std::uint32_t most_texel_buffers = 7;
-
 /// What only some devices have, and kernels are chosen by. What all of them must have: runtime/gpu/device.cpp.
 struct DeviceExtras {
   bool long_atomics = false;  ///< 64-bit integers, and their atomics in storage buffers

@@ -6,7 +6,7 @@ namespace dmvv::runtime {
 namespace {
 
 Result<std::unique_ptr<Rasteriser>> prepare(const std::shared_future<Result<Device>>& opening, const View& view) {
-  auto arranged = arrange_mesh(support_mesh(view));
+  auto arranged = arrange_mesh(*support_mesh(view));
   if (!arranged) return tl::unexpected(std::move(arranged.error()));
   const Result<Device>& device = opening.get();
   if (!device) return tl::unexpected(device.error());

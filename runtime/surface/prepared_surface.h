@@ -17,7 +17,7 @@ class Rasteriser;
 class PreparedSurface {
  public:
   /// For a picture of `view`, in a thread of its own, which waits for the device; slices need nothing. Until it is
-  /// ready nothing else may run on the device, and the mesh must stay. Errors: those of the device, and those of
+  /// ready nothing else may run on the device. Errors: those of the device, and those of
   /// `Evaluator::render` that come from the view.
   static std::future<Result<PreparedSurface>> prepare_async(std::shared_future<Result<Device>> opening,
                                                             const View& view);

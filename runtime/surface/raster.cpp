@@ -42,15 +42,6 @@ using Layout = vk::ImageLayout;
 using Stage = vk::PipelineStageFlagBits;
 using Usage = vk::BufferUsageFlagBits;
 
-template <class T>
-bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
-}
-
-bool same_mesh(const voml::Mesh& a, const voml::Mesh& b) {
-  return same_bits(a.positions, b.positions) && same_bits(a.triangles, b.triangles);
-}
-
 /// A vertex as the kernels read it: shaders/surface.glsl folds normals likewise.
 glm::uvec4 vertex_texel(const SurfaceVertex& vertex) {
   const glm::vec3& n = vertex.normal;
@@ -140,13 +131,13 @@ void Rasteriser::rehearse(const FrameSetup& setup) {
   });
 }
 
-Result<void> Rasteriser::set_mesh(const voml::Mesh& mesh) {
-  if (mesh_ && same_mesh(*mesh_, mesh)) return {};
-  auto arranged = arrange_mesh(mesh);
-  return arranged ? set_mesh(mesh, std::move(*arranged)) : tl::unexpected(std::move(arranged.error()));
+Result<void> Rasteriser::set_mesh(std::shared_ptr<const voml::Mesh> mesh) {
+  if (mesh_ == mesh) return {};
+  auto arranged = arrange_mesh(*mesh);
+  return arranged ? set_mesh(std::move(mesh), std::move(*arranged)) : tl::unexpected(std::move(arranged.error()));
 }
 
-Result<void> Rasteriser::set_mesh(const voml::Mesh& mesh, ArrangedMesh arranged) {
+Result<void> Rasteriser::set_mesh(std::shared_ptr<const voml::Mesh> mesh, ArrangedMesh arranged) {
   const Surface& surface = arranged.surface;
   if (auto fault = size_fault(gpu_, surface)) return tl::unexpected(std::move(*fault));
   std::vector<glm::uvec4> vertices(surface.vertices.size());
@@ -168,7 +159,7 @@ Result<void> Rasteriser::set_mesh(const voml::Mesh& mesh, ArrangedMesh arranged)
   uploads.finish();
   runs_ = gpu_.make_buffer(clusters_.size() * sizeof(gpu::TriangleRun), Usage::eStorageBuffer, MemoryUse::upload);
   bounds_ = surface.bounds;
-  mesh_ = mesh;
+  mesh_ = std::move(mesh);
   ++mesh_serial_;
   return {};
 }

@@ -31,10 +31,10 @@ class Rasteriser {
   /// for `take_surface`.
   void rehearse(const FrameSetup& setup);
 
-  /// Makes `mesh` the one that is drawn. The same mesh again (compared bit by bit) costs a comparison.
-  Result<void> set_mesh(const voml::Mesh& mesh);
+  /// Makes `mesh` the one that is drawn, not null. The same object again costs nothing.
+  Result<void> set_mesh(std::shared_ptr<const voml::Mesh> mesh);
   /// The same for one that has been arranged.
-  Result<void> set_mesh(const voml::Mesh& mesh, ArrangedMesh arranged);
+  Result<void> set_mesh(std::shared_ptr<const voml::Mesh> mesh, ArrangedMesh arranged);
   const voml::Bounds& bounds() const { return bounds_; }
   /// Another number for each mesh that was set.
   std::uint32_t mesh_serial() const { return mesh_serial_; }
@@ -82,7 +82,7 @@ class Rasteriser {
   std::optional<GpuImage> spare_;  ///< of this extent
   GpuBuffer nearest_, shells_;     ///< of each pixel (shaders/raster.h)
 
-  std::optional<voml::Mesh> mesh_;
+  std::shared_ptr<const voml::Mesh> mesh_;  ///< the one that is drawn; null before the first
   voml::EdgeFaults edges_;
   std::vector<Cluster> clusters_;
   voml::Bounds bounds_{};

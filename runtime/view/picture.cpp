@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cctype>
 #include <filesystem>
 #include <functional>
 #include <new>
 #include <optional>
 
+#include "base/text.h"
 #include "voml/assets/image_file.h"
 
 #if defined(_WIN32)
@@ -25,11 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string lower_ending(const fs::path& path) {
-  std::string ending = path.extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return ending;
-}
+std::string lower_ending(const fs::path& path) { return lower_case(path.extension().string()); }
 
 /// Why nothing can be written to `path`, if so.
 std::optional<Error> path_fault(const std::string& path, std::initializer_list<std::string_view> endings) {

@@ -199,9 +199,9 @@ SliceFrame slice_frame(const Plane& plane, glm::uvec2 size_px) {
   return frame;
 }
 
-const voml::Mesh& support_mesh(const View& view) {
-  static const voml::Mesh cube = voml::standard_cube();
-  return view.mesh != nullptr ? *view.mesh : cube;
+std::shared_ptr<const voml::Mesh> support_mesh(const View& view) {
+  static const auto cube = std::make_shared<const voml::Mesh>(voml::standard_cube());
+  return view.mesh != nullptr ? view.mesh : cube;
 }
 
 }  // namespace dmvv::runtime

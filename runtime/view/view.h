@@ -5,6 +5,7 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -36,13 +37,13 @@ enum class Colors : std::uint8_t { floats, bytes };
 struct View {
   glm::uvec2 size_px{1280, 720};
   Camera camera;
-  const voml::Mesh* mesh = nullptr;  ///< support mesh; null: the standard cube
-  std::vector<Plane> cuts;           ///< n.x > d is taken away, the section is capped; at most 64
-  std::optional<Plane> slice;        ///< a section instead of a perspective picture; camera, mesh, cuts are ignored
-  Shading shading = Shading::lit;    ///< slices are never lit
-  double time_ms = 0.0;              ///< since the animation's start
-  std::uint32_t samples = 1;         ///< per pixel along each axis, 1..16; the picture is the mean of samples^2
-  Colors colors = Colors::floats;    ///< bytes: a quarter of the memory on the way, and what a PNG holds
+  std::shared_ptr<const voml::Mesh> mesh;  ///< support mesh; null: the standard cube
+  std::vector<Plane> cuts;                 ///< n.x > d is taken away, the section is capped; at most 64
+  std::optional<Plane> slice;      ///< a section instead of a perspective picture; camera, mesh, cuts are ignored
+  Shading shading = Shading::lit;  ///< slices are never lit
+  double time_ms = 0.0;            ///< since the animation's start
+  std::uint32_t samples = 1;       ///< per pixel along each axis, 1..16; the picture is the mean of samples^2
+  Colors colors = Colors::floats;  ///< bytes: a quarter of the memory on the way, and what a PNG holds
   /// Colours from bitmaps are the same whichever frames came before. Off: while the camera moves they are found faster,
   /// and may differ by 1 in 255, by what happens to be proven.
   bool steady_colors = true;
@@ -52,8 +53,8 @@ struct View {
   std::vector<std::string> disabled_passes;  ///< names of frame_pass_names(), frame_passes.h
 };
 
-/// What a picture of it is drawn on; not for slices. Good as long as the view's mesh is.
-const voml::Mesh& support_mesh(const View& view);
+/// What a picture of it is drawn on; not for slices. Never null.
+std::shared_ptr<const voml::Mesh> support_mesh(const View& view);
 
 /// "eye 3 2 4 look 0 0 0 fov 30", optional "up x y z"; words in any order, eye and look needed.
 Result<Camera> parse_camera(std::string_view text);

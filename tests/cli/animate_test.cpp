@@ -21,9 +21,11 @@
 #include "base/content_hash.h"
 #include "cli/frames.h"
 #include "cli/progress.h"
+#include "session/timeline.h"
 #include "tests/cli/program.h"
 #include "tests/cli/scenes.h"
 
+using namespace dmvv;
 using namespace dmvv::cli;
 using namespace dmvv::tests;
 using nlohmann::json;
@@ -150,7 +152,7 @@ TEST_CASE("frames stand at from + i * 1000 / fps, from `from` on and before `to`
     CAPTURE(one.from_ms);
     CAPTURE(one.to_ms);
     CAPTURE(one.fps);
-    const auto times = make_frame_times(one.from_ms, one.to_ms, one.fps);
+    const auto times = session::make_timeline(one.from_ms, one.to_ms, one.fps);
     REQUIRE(times);
     CHECK(times->count() == one.count);
     CHECK(times->time_ms(0) == one.from_ms);
@@ -158,7 +160,7 @@ TEST_CASE("frames stand at from + i * 1000 / fps, from `from` on and before `to`
     CHECK(times->time_ms(one.count) >= doctest::Approx(one.to_ms));
   }
   // An hour at 60 frames a second: 1000/60 is no binary fraction, and yet whole seconds stay whole.
-  CHECK(make_frame_times(0, 3'600'000, 60)->time_ms(215'940) == 3'599'000.0);
+  CHECK(session::make_timeline(0, 3'600'000, 60)->time_ms(215'940) == 3'599'000.0);
 
   const double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
   for (const auto& [from, to, fps] : {std::array{0.0, 0.0, 30.0},
@@ -170,7 +172,7 @@ TEST_CASE("frames stand at from + i * 1000 / fps, from `from` on and before `to`
                                       {0.0, 1.0, nan},
                                       {0.0, 1e9, 1e9},
                                       {-1e308, 1e308, 30.0}}) {
-    CHECK(!make_frame_times(from, to, fps));
+    CHECK(!session::make_timeline(from, to, fps));
   }
 }
 

@@ -70,6 +70,17 @@ TEST_CASE("only what was asked for, into a folder that is there") {
   CHECK(names(folder.file("dump")) == std::vector<std::string>{"pixels.comp", "points.comp", "stats.txt"});
 }
 
+TEST_CASE("for many frames a program has its leaders and stages, and each of its shaders is written") {
+  const Folder folder;
+  const auto run = run_dmvv({"compile", std::string(DMVV_SOURCE_DIR) + "/examples/library/library.voml", "-o",
+                             folder.file("dump"), "--many-frames", "--dump", "glsl,program"});
+  CHECK(run.err == "");
+  CHECK(names(folder.file("dump")) == std::vector<std::string>{"leaders.comp", "pixels.stage_0.comp",
+                                                               "pixels.stage_1.comp", "points.comp", "program.dmvv"});
+  CHECK(folder.read("dump/leaders.comp").find("#define DMVV_QUERY_RADIUS") != std::string::npos);
+  CHECK(folder.read("dump/program.dmvv").starts_with("dmvv program\n"));
+}
+
 TEST_CASE("atlas formats and filters are dumped under their names, normalised texels as floats") {
   const Folder folder;
   const std::string scene = ball_scene(folder);

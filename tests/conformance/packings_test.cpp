@@ -74,7 +74,7 @@ std::size_t compare(const compiler::Module& module, double time_ms) {
   Diagnostics diagnostics;
   auto program = compiler::compile(module, {}, diagnostics);
   REQUIRE_MESSAGE(program, diagnostics.render());
-  REQUIRE(compiler::to_spirv(*program, compiler::Kernel::points));
+  REQUIRE(compiler::to_spirv(*program, compiler::Source::points));
   auto evaluator = runtime::Evaluator::create(*device, *program);
   REQUIRE(evaluator);
   const char* const wish = std::getenv("DMVV_POINTS");
@@ -196,7 +196,7 @@ TEST_CASE("virion: a section is the same with one cell that lists everything: no
     Diagnostics diagnostics;
     auto program = compiler::compile(virion(), options, diagnostics);
     REQUIRE_MESSAGE(program, diagnostics.render());
-    REQUIRE(compiler::to_spirv(*program, compiler::Kernel::pixels));
+    REQUIRE(compiler::to_spirv(*program, compiler::Source::surface));
     auto evaluator = runtime::Evaluator::create(*device, *program);
     REQUIRE(evaluator);
     const auto picture = evaluator->render(view);

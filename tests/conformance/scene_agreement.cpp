@@ -49,7 +49,7 @@ std::vector<Form> forms_of(const compiler::Module& module, runtime::Device& devi
     Diagnostics diagnostics;
     auto program = compiler::compile(module, setting.options, diagnostics);
     if (!program) stop(diagnostics.render());
-    if (const auto compiled = compiler::to_spirv(*program, compiler::Kernel::points); !compiled) {
+    if (const auto compiled = compiler::to_spirv(*program, compiler::Source::points); !compiled) {
       stop(compiled.error().message);
     }
     auto evaluator = runtime::Evaluator::create(device, *program);

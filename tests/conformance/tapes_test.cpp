@@ -92,7 +92,9 @@ runtime::Picture slice(const compiler::Program& program, runtime::Device& device
   return std::move(*picture);
 }
 
-bool has_tape(const compiler::Program& program) { return program.glsl[0].find("walk_tape") != std::string::npos; }
+bool has_tape(const compiler::Program& program) {
+  return program.shader("points").glsl.find("walk_tape") != std::string::npos;
+}
 
 }  // namespace
 

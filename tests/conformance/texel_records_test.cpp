@@ -33,7 +33,7 @@ std::size_t texel_buffers(const compiler::Program& program) {
 }
 
 bool is_lookup(const compiler::Buffer& buffer) {
-  return buffer.binding == DMVV_BIND_CELLS || buffer.binding == DMVV_BIND_LISTS;
+  return buffer.binding == compiler::scene_binding::cells || buffer.binding == compiler::scene_binding::lists;
 }
 
 std::vector<compiler::PointAnswer> answers_of(runtime::Device& device, const compiler::Program& program,
@@ -91,7 +91,7 @@ TEST_CASE("a program with a buffer too large for texels has storage buffers, and
   std::size_t longest = 0;
   for (const auto& buffer : program.buffers) {
     if (is_lookup(buffer)) CHECK(buffer.form == BufferForm::r32ui);
-    if (buffer.binding == DMVV_BIND_PLACEMENTS) CHECK(buffer.form == BufferForm::rgba32ui);
+    if (buffer.binding == compiler::scene_binding::placements) CHECK(buffer.form == BufferForm::rgba32ui);
     if (buffer.form != BufferForm::records) {
       longest = std::max(longest, buffer.bytes.size() / compiler::bytes_per_texel(buffer.form));
     }

@@ -21,7 +21,7 @@ TEST_CASE("the generated shader says what the scene says") {
   REQUIRE_MESSAGE(scene, diagnostics.render());
   const auto module = compiler::lower(*scene, diagnostics);
   auto program = compiler::compile(module.value(), {}, diagnostics);
-  REQUIRE(compiler::to_spirv(program.value(), compiler::Kernel::points));  // compiled, and checked by spirv-val
+  REQUIRE(compiler::to_spirv(program.value(), compiler::Source::points));  // compiled, and checked by spirv-val
   auto device = runtime::Device::create({}).value();
   auto evaluator = runtime::Evaluator::create(device, *program).value();
   const std::vector<glm::dvec3> points{{0.4, 0, 0}, {0.6, 0, 0}, {1.1, 0, 0}};

@@ -58,7 +58,7 @@ TEST_CASE("a preset checks clean, compiles to valid SPIR-V, and its shaders answ
       CAPTURE(setting.name);
       auto program = compiler::compile(*module, setting.options, diagnostics);
       REQUIRE_MESSAGE(program, diagnostics.render());
-      REQUIRE(compiler::to_spirv(*program, compiler::Kernel::points));  // checked by spirv-val
+      REQUIRE(compiler::to_spirv(*program, compiler::Source::points));  // checked by spirv-val
       auto evaluator = runtime::Evaluator::create(*device, *program);
       REQUIRE(evaluator);
       for (const double time_ms : tests::times_of(*program)) {

@@ -54,7 +54,7 @@ TEST_CASE("dumps of small scenes") {
       options.codegen = codegen;
       const auto program = tests::compiled(module, options);
       const std::string form = codegen == compiler::Codegen::table ? ".table" : ".specialised";
-      check_golden(file + form + ".glsl", scene_part(program.glsl[1]));
+      check_golden(file + form + ".glsl", scene_part(program.shader("pixels").glsl));
       if (codegen == compiler::Codegen::table) check_golden(file + ".records.txt", compiler::records_text(program));
     }
   }

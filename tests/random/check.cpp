@@ -146,19 +146,21 @@ std::optional<Fault> check_setting(runtime::Device& device, const compiler::Modu
   compiler::CompileOptions form = setting.options;
   form.many_frames = true;
   form.stages = {.least_program_lines = 0, .least_lines = 1};
-  auto program = compiler::compile(module, form, diagnostics);
-  if (!program) return fault(Fault::Kind::refused, diagnostics.render());
-  for (const auto kernel : {compiler::Kernel::points, compiler::Kernel::pixels}) {
-    const auto made = compiler::to_spirv(*program, kernel);
+  auto build = compiler::build(module, form, diagnostics);
+  if (!build) return fault(Fault::Kind::refused, diagnostics.render());
+  compiler::Program& program = build->program;
+  for (const auto source : {compiler::Source::points, compiler::Source::surface}) {
+    const auto made = compiler::to_spirv(program, source);
     if (!made) return fault(Fault::Kind::spirv, text_of(made.error()));
   }
   ++counts.programs;
   const bool reads_otherwise =
       form.atlas_format != compiler::TexelFormat::r32f || form.filter != compiler::Filter::hardware;
+  const auto judge = compiler::make_judge(std::move(build->module), std::move(build->records), form);
   if (setting.name == "specialised" || reads_otherwise) {  // the others have the same judge
-    if (auto wrong = check_verdicts(*program->judge, setting, looks)) return wrong;
+    if (auto wrong = check_verdicts(*judge, setting, looks)) return wrong;
   }
-  auto evaluator = runtime::Evaluator::create(device, *program);
+  auto evaluator = runtime::Evaluator::create(device, program, nullptr, {}, judge);
   if (!evaluator) return fault(Fault::Kind::device, text_of(evaluator.error()));
   const auto legend = compiler::legend(module);
   for (const Look& now : looks) {
@@ -171,7 +173,7 @@ std::optional<Fault> check_setting(runtime::Device& device, const compiler::Modu
     for (std::size_t i = 0; i < answers->size(); ++i) {
       if (!now.expected[i].certain) continue;
       ++counts.answers;
-      if (auto d = compare(legend, now.expected[i], program->regions, (*answers)[i])) {
+      if (auto d = compare(legend, now.expected[i], program.regions, (*answers)[i])) {
         return Fault{Fault::Kind::answer, setting.name, now.time_ms, now.points.all[i], d->expected, d->got};
       }
     }

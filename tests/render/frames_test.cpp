@@ -63,11 +63,11 @@ TEST_CASE("no frame shows that verdicts were used, that what stands still was ke
     modules.emplace_back(scene.name, tests::lowered_file(scene.path));
   for (const auto& scene : modules) {
     CAPTURE(scene.first);
-    const compiler::Program program = tests::compiled(scene.second, judged());
-    auto kept = runtime::Evaluator::create(device(), program).value();
-    auto kept_steady = runtime::Evaluator::create(device(), program).value();
-    auto everything = runtime::Evaluator::create(device(), program).value();
-    auto anew = runtime::Evaluator::create(device(), program).value();
+    const auto [program, judge] = tests::judged(scene.second, judged());
+    auto kept = runtime::Evaluator::create(device(), program, nullptr, {}, judge).value();
+    auto kept_steady = runtime::Evaluator::create(device(), program, nullptr, {}, judge).value();
+    auto everything = runtime::Evaluator::create(device(), program, nullptr, {}, judge).value();
+    auto anew = runtime::Evaluator::create(device(), program, nullptr, {}, judge).value();
     std::size_t differing_bytes = 0, unsteady = 0, pixels = 0, different_regions = 0;
     float largest_difference = 0.0f;
     for (runtime::View view : film()) {
@@ -103,11 +103,11 @@ TEST_CASE("no frame shows that verdicts were used, that what stands still was ke
 }
 
 TEST_CASE("each pass of a frame can be switched off alone") {
-  const compiler::Program program = tests::compiled(beating(), judged());
-  auto plain = runtime::Evaluator::create(device(), program).value();
+  const auto [program, judge] = tests::judged(beating(), judged());
+  auto plain = runtime::Evaluator::create(device(), program, nullptr, {}, judge).value();
   for (const runtime::FramePassInfo& pass : runtime::frame_pass_names()) {
     CAPTURE(pass.name);
-    auto without = runtime::Evaluator::create(device(), program).value();
+    auto without = runtime::Evaluator::create(device(), program, nullptr, {}, judge).value();
     for (int i = 0; i < 8; ++i) {
       runtime::View view = view_at(0.3, 30.0 * (i / 2));
       const auto expected = plain.render(view);

@@ -51,11 +51,11 @@ runtime::View view_of(const Size& size) {
 TEST_CASE("a frame in which nothing changes is kept, however many tiles it has") {
   compiler::CompileOptions options;
   options.many_frames = true;
-  const compiler::Program program = tests::compiled(tests::lowered(beating_text), options);
+  const auto [program, judge] = tests::judged(tests::lowered(beating_text), options);
   for (const Size& size : {Size{{1280, 720}, 1}, Size{{2560, 1440}, 1}, Size{{1920, 1080}, 2}}) {
     CAPTURE(size.px.x);
     CAPTURE(size.samples);
-    auto evaluator = runtime::Evaluator::create(device(), program).value();
+    auto evaluator = runtime::Evaluator::create(device(), program, nullptr, {}, judge).value();
     runtime::View view = view_of(size);
     const auto first = evaluator.render(view);
     REQUIRE(first);
@@ -77,9 +77,9 @@ TEST_CASE("a frame in which nothing changes is kept, however many tiles it has")
 TEST_CASE("while only the time changes, no tile draws its surface, and what stands still is kept") {
   compiler::CompileOptions options;
   options.many_frames = true;
-  const compiler::Program program = tests::compiled(tests::lowered(beating_text), options);
-  auto kept = runtime::Evaluator::create(device(), program).value();
-  auto anew = runtime::Evaluator::create(device(), program).value();
+  const auto [program, judge] = tests::judged(tests::lowered(beating_text), options);
+  auto kept = runtime::Evaluator::create(device(), program, nullptr, {}, judge).value();
+  auto anew = runtime::Evaluator::create(device(), program, nullptr, {}, judge).value();
   runtime::View view = view_of({{2560, 1440}, 1});
   view.disabled_passes = {"trials"};
   for (int frame = 0; frame < 4; ++frame) {

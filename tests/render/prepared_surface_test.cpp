@@ -67,7 +67,7 @@ TEST_CASE("what cannot be drawn is refused by the surface as by the picture") {
   voml::Mesh broken = voml::standard_cube();
   broken.triangles.front().x = 1000;
   runtime::View bad_mesh = cut_open(0.1), bad_camera = cut_open(0.1);
-  bad_mesh.mesh = &broken;
+  bad_mesh.mesh = std::make_shared<const voml::Mesh>(broken);
   bad_camera.camera.look = bad_camera.camera.eye;
   for (const runtime::View& view : {bad_mesh, bad_camera}) {
     const auto surface = runtime::PreparedSurface::prepare_async(opened(), view).get();

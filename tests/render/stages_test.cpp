@@ -36,12 +36,14 @@ std::vector<runtime::View> views() {
 /// Returns how many stages there are.
 std::size_t check_same_pictures(const compiler::Module& module) {
   compiler::CompileOptions options = wherever_it_can_be();
-  const compiler::Program staged = tests::compiled(module, options);
+  const tests::Judged in_parts = tests::judged(module, options);
+  const compiler::Program& staged = in_parts.program;
   options.disabled_passes = {"stages"};
-  const compiler::Program whole = tests::compiled(module, options);
-  CHECK(whole.stages.empty());
-  auto in_stages = runtime::Evaluator::create(device(), staged).value();
-  auto at_once = runtime::Evaluator::create(device(), whole).value();
+  const tests::Judged at_once_too = tests::judged(module, options);
+  const compiler::Program& whole = at_once_too.program;
+  CHECK_FALSE(whole.find_kernel("pixels")->is_staged());
+  auto in_stages = runtime::Evaluator::create(device(), staged, nullptr, {}, in_parts.judge).value();
+  auto at_once = runtime::Evaluator::create(device(), whole, nullptr, {}, at_once_too.judge).value();
   for (runtime::View view : views()) {
     view.disabled_passes = {"trials", "verdicts", "reach"};
     const auto expected = at_once.render(view);
@@ -58,7 +60,7 @@ std::size_t check_same_pictures(const compiler::Module& module) {
       CHECK((*picture)->rgba8 == expected->rgba8);
     }
   }
-  return staged.stages.size();
+  return staged.find_kernel("pixels")->is_staged() ? staged.find_kernel("pixels")->shaders.size() : 0;
 }
 
 }  // namespace
@@ -84,8 +86,8 @@ TEST_CASE("a program without its stages' code says which kernel it lacks") {
   for (const tests::SceneCase& scene : tests::conformance_scenes()) {
     auto program = compiler::compile(tests::lowered(scene.text, scene.files), wherever_it_can_be(), diagnostics);
     REQUIRE(program);
-    if (program->stages.empty()) continue;
-    REQUIRE(compiler::to_spirv(*program, compiler::Kernel::points));
+    if (!program->find_kernel("pixels")->is_staged()) continue;
+    REQUIRE(compiler::to_spirv(*program, compiler::Source::points));
     auto evaluator = runtime::Evaluator::create(device(), *program).value();
     const auto picture = evaluator.render(views().front());
     REQUIRE_FALSE(picture);

@@ -64,7 +64,7 @@ inline compiler::Reference::Options reading_of(const Setting& setting) {
 
 /// A static scene is the same at all times; a moving one is looked at from its start to a day later.
 inline std::vector<double> times_of(const compiler::Program& program) {
-  if (program.time_functions.empty()) return {0.0};
+  if (program.time_slots.empty()) return {0.0};
   return {0.0, 16.7, 1234.5, 3600000.0, 86400000.0};
 }
 

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <map>
+#include <memory>
 #include <string>
 
 #include "base/files.h"
@@ -45,20 +46,40 @@ inline compiler::Module lowered(const std::string& text, Files files = {}) {
   return std::move(*module);
 }
 
-/// Compiles and makes SPIR-V of both kernels, checked by spirv-val.
-inline compiler::Program compiled(const compiler::Module& module, const compiler::CompileOptions& options = {}) {
-  Diagnostics diagnostics;
-  auto program = compiler::compile(module, options, diagnostics);
-  INFO(diagnostics.render());
-  REQUIRE(program.has_value());
-  for (const auto kernel : {compiler::Kernel::points, compiler::Kernel::pixels}) {
-    const auto made = compiler::to_spirv(*program, kernel);
+/// Makes SPIR-V of all kernels, checked by spirv-val.
+inline void translate(compiler::Program& program) {
+  for (const auto source : {compiler::Source::points, compiler::Source::surface}) {
+    const auto made = compiler::to_spirv(program, source);
     if (!made) {
       for (const auto& reason : made.error().reasons) MESSAGE(reason);
     }
     REQUIRE(made.has_value());
   }
+}
+
+/// Compiles and makes SPIR-V of all kernels.
+inline compiler::Program compiled(const compiler::Module& module, const compiler::CompileOptions& options = {}) {
+  Diagnostics diagnostics;
+  auto program = compiler::compile(module, options, diagnostics);
+  INFO(diagnostics.render());
+  REQUIRE(program.has_value());
+  translate(*program);
   return std::move(*program);
+}
+
+/// Likewise, with the judge that is made beside a program for many frames.
+struct Judged {
+  compiler::Program program;
+  std::shared_ptr<const compiler::Judge> judge;
+};
+inline Judged judged(const compiler::Module& module, const compiler::CompileOptions& options) {
+  Diagnostics diagnostics;
+  auto build = compiler::build(module, options, diagnostics);
+  INFO(diagnostics.render());
+  REQUIRE(build.has_value());
+  translate(build->program);
+  return {std::move(build->program),
+          compiler::make_judge(std::move(build->module), std::move(build->records), options)};
 }
 
 }  // namespace dmvv::tests

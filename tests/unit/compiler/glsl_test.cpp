@@ -1,6 +1,7 @@
 #include "compiler/glsl/generate_glsl.h"
 #include "compiler/glsl/glsl_text.h"
 #include "compiler/layout/flatten.h"
+#include "compiler/program_file.h"
 #include "compiler/snippet/glsl_literal.h"
 
 #include <doctest/doctest.h>
@@ -16,7 +17,7 @@ using compiler::CompileOptions;
 
 namespace {
 
-const std::string& pixels(const compiler::Program& program) { return program.glsl[1]; }
+const std::string& pixels(const compiler::Program& program) { return program.shader("pixels").glsl; }
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
@@ -80,7 +81,7 @@ TEST_CASE("specialised code loops over instances of one object instead of repeat
   std::size_t calls = 0;
   for (std::size_t at = 0; (at = pixels(program).find("object_1_listed(q", at)) != std::string::npos; ++at) ++calls;
   CHECK(calls == 2);  // in the loop, whether it answers, and behind it, what
-  CHECK(program.statistics.candidates == 300);
+  CHECK(program.statistics.scene.candidates == 300);
 }
 
 TEST_CASE("loops ask whether a candidate answers; what it answers comes behind them, unless that is switched off") {
@@ -113,11 +114,11 @@ TEST_CASE("beyond the budget objects are cut, at last the root") {
   CompileOptions options;
   options.inlined_line_budget = 400;
   const auto program = tests::compiled(module, options);
-  CHECK(program.statistics.inlined_lines <= 400);
-  CHECK(program.statistics.object_codegen.front() == "L0: specialised");
-  CHECK(has(program.statistics.object_codegen.back(), "table"));
+  CHECK(program.statistics.code.inlined_lines <= 400);
+  CHECK(program.statistics.objects.front().form == "specialised");
+  CHECK(has(program.statistics.objects.back().form, "table"));
   options.inlined_line_budget = 1;
-  CHECK(has(tests::compiled(module, options).statistics.object_codegen.front(), "L0: table"));
+  CHECK(has(tests::compiled(module, options).statistics.objects.front().form, "table"));
 }
 
 TEST_CASE("neither long trees nor chains of objects nest: both stay specialised") {
@@ -134,7 +135,7 @@ TEST_CASE("neither long trees nor chains of objects nest: both stay specialised"
     CompileOptions options;
     options.inlined_line_budget = 4000;
     const auto program = tests::compiled(tests::lowered(text, ball), options);
-    for (const std::string& object : program.statistics.object_codegen) CHECK(has(object, ": specialised"));
+    for (const compiler::ObjectForm& object : program.statistics.objects) CHECK(has(object.form, "specialised"));
     return deepest_nesting(pixels(program));
   };
   CHECK(specialised(tests::chain_scene(12, 0.9)) == specialised(tests::chain_scene(3, 0.9)));
@@ -152,17 +153,15 @@ TEST_CASE("a diamond of objects does not grow exponentially") {
         i, i - 1);
   }
   const auto program = tests::compiled(tests::lowered(text + "</MVV>", {{"p.lxn", tests::plane_lxn()}}));
-  CHECK(program.statistics.inlined_lines <= 1000);
-  CHECK(program.statistics.glsl_lines < 2000);
+  CHECK(program.statistics.code.inlined_lines <= 1000);
+  CHECK(program.statistics.code.glsl_lines < 2000);
 }
 
 TEST_CASE("the same scene gives the same bytes") {
   for (const auto& scene : tests::conformance_scenes()) {
     const auto module = tests::lowered(scene.text, scene.files);
     const auto a = tests::compiled(module), b = tests::compiled(module);
-    CHECK(a.glsl[0] == b.glsl[0]);
-    CHECK(a.glsl[1] == b.glsl[1]);
-    CHECK(a.spirv[1] == b.spirv[1]);
+    CHECK(compiler::write_program(a) == compiler::write_program(b));
     CHECK(compiler::records_text(a) == compiler::records_text(b));
   }
 }
@@ -198,7 +197,7 @@ TEST_CASE("identical snippets are stitched once, whatever their names and spaces
       "</MAPPINGS></OBJECT></MVV>");
   CHECK(module.functions.size() == 2);
   const auto program = tests::compiled(module);
-  CHECK(program.statistics.functions == 1);
+  CHECK(program.statistics.scene.functions == 1);
   CHECK(has(pixels(program), "float function_0("));
   CHECK_FALSE(has(pixels(program), "function_1"));
 }
@@ -210,9 +209,9 @@ TEST_CASE("a static scene has no time anywhere in its shader, a moving one reads
   const auto program = tests::compiled(tests::lowered(moving.text, moving.files));
   CHECK(has(pixels(program), "time_values[0]"));
   CHECK_FALSE(has(without_comments(pixels(program)), "sin("));  // sin(t / 1000) depends on time alone
-  REQUIRE(program.time_functions.size() == 1);
+  REQUIRE_FALSE(program.time_slots.empty());
   bool has_sine = false;
-  for (const float value : compiler::time_values(program.time_functions, 3600000.0)) {
+  for (const float value : compiler::snippet::time_values(program.time_slots, 3600000.0)) {
     const double sine = std::sin(3600000.0 * 0.001);
     for (const double expected : {sine, 0.3 * sine, 0.5 + 0.3 * sine}) {
       has_sine = has_sine || std::abs(value - expected) < 1e-6;
@@ -242,11 +241,11 @@ TEST_CASE("seeds that only scale and move are stored and applied as such") {
   };
   const auto plain = tests::compiled(scene("0 0 0"));
   CHECK(has(pixels(plain), "vec3 q = p * scaling.w + scaling.xyz;"));
-  CHECK_FALSE(has(pixels(plain), "buffer Placements"));
-  CHECK(has(pixels(tests::compiled(scene("0 0 30"))), "buffer Placements"));
+  CHECK_FALSE(has(pixels(plain), "buffer buffer_placements"));
+  CHECK(has(pixels(tests::compiled(scene("0 0 30"))), "buffer buffer_placements"));
   CompileOptions options;
   options.disabled_passes = {"fold-affine"};
-  CHECK_FALSE(has(pixels(tests::compiled(scene("0 0 0"), options)), "buffer Scalings"));
+  CHECK_FALSE(has(pixels(tests::compiled(scene("0 0 0"), options)), "buffer buffer_scalings"));
 }
 
 TEST_CASE("objects of a group that differ in numbers share a function; with the pass off each has its own") {

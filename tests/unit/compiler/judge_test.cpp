@@ -19,13 +19,13 @@ using namespace dmvv::compiler;
 
 namespace {
 
-/// As a program that was compiled for it carries it.
+/// As it is made beside a program that draws many frames.
 std::shared_ptr<const Judge> judge_of(const Module& module, CompileOptions options = {}) {
   options.many_frames = true;
   Diagnostics diagnostics;
-  const auto program = compile(module, options, diagnostics);
-  REQUIRE_MESSAGE(program, diagnostics.render());
-  return program->judge;
+  auto made = build(module, options, diagnostics);
+  REQUIRE_MESSAGE(made, diagnostics.render());
+  return make_judge(std::move(made->module), std::move(made->records), options);
 }
 
 Verdict verdict(const Judge& judge, const glm::dvec3& lo, const glm::dvec3& hi, const Judge::Times* times = nullptr) {

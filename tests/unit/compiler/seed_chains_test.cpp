@@ -81,18 +81,18 @@ TEST_CASE("code searches chains at once; the walker has none") {
   CompileOptions options;
   options.codegen = Codegen::specialised;
   const Program code = tests::compiled(module, options);
-  CHECK(code.statistics.seed_chains == 4);  // GRAINS, TURNED, and before and behind S9 of MANY
-  CHECK(code.statistics.chained_sdfs == 4 + 3 + 9 + 8);
-  const std::string& text = code.glsl[static_cast<std::size_t>(Kernel::pixels)];
+  CHECK(code.statistics.shared.seed_chains == 4);  // GRAINS, TURNED, and before and behind S9 of MANY
+  CHECK(code.statistics.shared.chained_sdfs == 4 + 3 + 9 + 8);
+  const std::string& text = code.shader("pixels").glsl;
   CHECK(text.find("first_negative = first_of_") != std::string::npos);
 
   options.disabled_passes = {"chain-seeds"};
-  CHECK(tests::compiled(module, options).statistics.seed_chains == 0);
+  CHECK(tests::compiled(module, options).statistics.shared.seed_chains == 0);
   options = {};
   options.codegen = Codegen::table;
-  CHECK(tests::compiled(module, options).statistics.seed_chains == 0);
+  CHECK(tests::compiled(module, options).statistics.shared.seed_chains == 0);
   options.codegen = Codegen::specialised;
   options.inlined_line_budget = 200;  // too few for all: the walker is called as well
   const Program mixed = tests::compiled(module, options);
-  CHECK(mixed.statistics.seed_chains == 0);
+  CHECK(mixed.statistics.shared.seed_chains == 0);
 }

@@ -155,7 +155,7 @@ TEST_CASE("each filter is in the shader only where it is asked for") {
       options.codegen = codegen;
       options.filter = filter;
       const auto program = tests::compiled(module, options);
-      const std::string& glsl = program.glsl[1];
+      const std::string& glsl = program.shader("pixels").glsl;
       CHECK((glsl.find("float sample_grid(") == std::string::npos) == (filter == Filter::hardware));
       CHECK((glsl.find("#define DMVV_TRICUBIC") != std::string::npos) == (filter == Filter::tricubic));
       REQUIRE(program.textures.size() == 1);

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "runtime/calibrate.h"
 #include "runtime/gpu/gpu.h"
+#include "session/device_profile.h"
 #include "support.h"
 
 using namespace dmvv;
@@ -88,20 +88,20 @@ TEST_CASE("a device's costs are measured once and kept; without a cache it count
     Device device = must(Device::create(options));
     const bool is_cpu = device.info().kind == "cpu";
     const compiler::DeviceCosts of_kind = is_cpu ? compiler::costs_of_cpu() : compiler::costs_of_gpu();
-    CHECK(runtime::costs_of(device) == of_kind);
-    runtime::calibrate(device);
-    const compiler::DeviceCosts measured = runtime::costs_of(device);
+    CHECK(session::costs_of(device) == of_kind);
+    session::calibrate(device);
+    const compiler::DeviceCosts measured = session::costs_of(device);
     CHECK_FALSE(measured == of_kind);
     CHECK(measured.line > 0.0);
     CHECK(measured.sample > measured.line);
     CHECK(measured.skipping >= 0.0);
     CHECK(measured.skipping <= 1.0);
-    runtime::calibrate(device);
-    CHECK(runtime::costs_of(device) == measured);
+    session::calibrate(device);
+    CHECK(session::costs_of(device) == measured);
 
     Device plain = must(Device::create({}));
-    runtime::calibrate(plain);
-    CHECK(runtime::costs_of(plain) == of_kind);
+    session::calibrate(plain);
+    CHECK(session::costs_of(plain) == of_kind);
   }
   std::filesystem::remove_all(folder);
 }

@@ -34,7 +34,7 @@ View view_of(const voml::Mesh* mesh, std::vector<runtime::Plane> cuts = {}) {
   view.size_px = {320, 240};
   view.camera = {.eye = {3.0, 2.5, 5.0}, .look = {0.05, 0.02, 0.0}};
   view.shading = runtime::Shading::none;
-  view.mesh = mesh;
+  view.mesh = mesh != nullptr ? shared(*mesh) : nullptr;
   view.cuts = std::move(cuts);
   return view;
 }

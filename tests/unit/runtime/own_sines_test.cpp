@@ -16,7 +16,7 @@ namespace {
 /// Answers of points have sin(x), cos(x), tan(x) as red, green, blue.
 compiler::Program sines_program() {
   compiler::Program made = points_program(1.0f);
-  made.spirv[static_cast<int>(compiler::Kernel::points)].assign(std::begin(sines_points), std::end(sines_points));
+  made.kernels = {kernel_of(compiler::points_kernel, sines_points)};
   return made;
 }
 
@@ -61,9 +61,9 @@ TEST_CASE("own sines are as good as the promise of accuracy assumes") {
 
 TEST_CASE("a kernel without sines stays as it is") {
   const compiler::Program program = points_program(1.0f);
-  const auto& words = program.spirv[static_cast<int>(compiler::Kernel::points)];
+  const auto& words = program.shader("points").spirv;
   CHECK(runtime::with_own_sines(words) == words);
   const compiler::Program sines = sines_program();
-  const auto& all = sines.spirv[static_cast<int>(compiler::Kernel::points)];
+  const auto& all = sines.shader("points").spirv;
   CHECK(runtime::with_own_sines(all).size() > all.size());
 }

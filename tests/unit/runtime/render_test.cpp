@@ -84,7 +84,7 @@ double compare_with_rays(const View& view, const voml::Mesh& mesh, const Picture
 void check_view(View view, const voml::Mesh& mesh, const std::string& name) {
   CAPTURE(name);
   const QuietValidation quiet;
-  view.mesh = &mesh;
+  view.mesh = shared(mesh);
   view.want_depth = view.want_regions = view.want_positions = true;
   view.shading = runtime::Shading::none;
   const Picture positions = render(view, Show::position);
@@ -171,7 +171,7 @@ TEST_CASE("an eye very near the surface") {
   View near = view_from({0.3, 0.2, 1.0005});
   near.camera.look = {0.3, 0.2, 0.0};
   const QuietValidation quiet;
-  near.mesh = &cube();
+  near.mesh = shared(cube());
   near.shading = runtime::Shading::none;
   const Picture picture = render(near, Show::position);
   const double half_height = 0.0005 * std::tan(15.0 / 180.0 * 3.14159265358979);
@@ -212,14 +212,14 @@ TEST_CASE("triangles of any size make the same picture") {
     view.camera.look = {0.0, 0.05, 0.0};
     view.shading = runtime::Shading::none;
     const voml::Mesh large = faces_of(1, 1);
-    view.mesh = &large;
+    view.mesh = shared(large);
     const Picture expected = render(view, Show::position);
     // Triangles of some 70, 10 and 1 pixels across, and slivers.
     for (const auto& division :
          {std::pair(4, 4), std::pair(30, 30), std::pair(250, 250), std::pair(120, 1), std::pair(1, 500)}) {
       const int n = division.first, m = division.second;
       const voml::Mesh fine = faces_of(n, m);
-      view.mesh = &fine;
+      view.mesh = shared(fine);
       const Picture picture = render(view, Show::position);
       std::size_t others = 0, off = 0;
       for (std::size_t i = 0; i < std::size_t{400} * 300; ++i) {
@@ -248,7 +248,7 @@ TEST_CASE("random cuts through a torus") {
     view.size_px = {64, 64};
     for (int cut = 0; cut <= round % 4; ++cut)
       view.cuts.push_back({{random(), random(), random()}, 0.4 * random() + 0.3});
-    view.mesh = &ring;
+    view.mesh = shared(ring);
     const QuietValidation quiet;
     CAPTURE(round);
     CHECK(compare_with_rays(view, ring, render(view, Show::position)) < 0.12);
@@ -258,7 +258,7 @@ TEST_CASE("random cuts through a torus") {
 TEST_CASE("tiles meet without seams") {
   View view = view_from({3.0, 2.5, 5.0}, {{{1.0, 0.3, 2.0}, 0.2}});
   view.size_px = {2300, 30};
-  view.mesh = &cube();
+  view.mesh = shared(cube());
   view.camera.fov_deg = 2.0;
   view.shading = runtime::Shading::none;
   const QuietValidation quiet;
@@ -370,7 +370,7 @@ TEST_CASE("two renders give the same bytes") {
   const QuietValidation quiet;
   const voml::Mesh ring = torus(0.65, 0.3, 24);
   View view = view_from({2.5, 3.0, 4.0}, {{{0.0, 0.0, 1.0}, 0.05}, {{1.0, 0.0, 0.0}, 0.3}});
-  view.mesh = &ring;
+  view.mesh = shared(ring);
   view.want_regions = view.want_depth = true;
   const Picture first = render(view, Show::checker);
   auto evaluator = must(runtime::Evaluator::create(device(), program(Show::checker)));
@@ -388,7 +388,7 @@ TEST_CASE("bytes are the floats of the same picture, rounded to the nearest") {
   for (const bool sliced : {false, true}) {
     for (const std::uint32_t samples : {1u, 2u}) {
       View view = view_from({2.5, 3.0, 4.0}, {{{0.0, 0.0, 1.0}, 0.05}});
-      view.mesh = &ring;
+      view.mesh = shared(ring);
       if (sliced) view.slice = Plane{{0.3, 0.0, 1.0}, 0.1};
       view.samples = samples;
       view.want_regions = true;
@@ -417,7 +417,7 @@ TEST_CASE("a frame that keeps what stands still is the frame drawn anew, whateve
   std::vector<View> views;
   const auto add = [&](auto change) {
     View view = view_from({2.5, 3.0, 4.0}, {{{0.0, 0.0, 1.0}, 0.05}});
-    view.mesh = &ring;
+    view.mesh = shared(ring);
     view.want_regions = view.want_depth = view.want_positions = true;
     change(view);
     views.push_back(view);
@@ -427,7 +427,7 @@ TEST_CASE("a frame that keeps what stands still is the frame drawn anew, whateve
   add([](View& v) { v.camera.eye.x += 1e-3; });
   add([](View& v) { v.cuts.clear(); });
   add([](View& v) { v.cuts[0].d = 0.06; });
-  add([&](View& v) { v.mesh = &ball; });
+  add([&](View& v) { v.mesh = shared(ball); });
   add([](View& v) { v.slice = Plane{{0.0, 0.0, 1.0}, 0.0}; });
   add([](View& v) { v.slice = Plane{{0.0, 0.0, 1.0}, 1e-6}; });
   add([](View& v) { v.size_px.x -= 8; });
@@ -483,12 +483,12 @@ TEST_CASE("turned away triangles that are not drawn would not have been seen") {
            {glm::dvec3(2.5, 3.0, 4.0), glm::dvec3(-4.0, 0.2, 0.5), glm::dvec3(0.65, 0.05, 0.0)}) {
         View view = view_from(eye, planes);
         view.camera.look = {-0.1, 0.02, 0.3};
-        view.mesh = &mesh;
+        view.mesh = shared(mesh);
         view.want_regions = view.want_positions = true;
         view.disabled_passes = {"keep-surface"};
         const Picture fronts = must(evaluator.render(view));
         const voml::Mesh both_sides = opened(mesh);
-        view.mesh = &both_sides;
+        view.mesh = shared(both_sides);
         const Picture all = must(evaluator.render(view));
         std::size_t differing = 0, covered = 0;  // at a silhouette, rounding may put a back before its front
         for (std::size_t i = 0; i < all.regions.size(); ++i) {
@@ -510,7 +510,7 @@ TEST_CASE("an open mesh is drawn from both sides, and its cut says so") {
   });
   REQUIRE(open.triangles.size() == 10);
   View view = view_from({0.3, 0.2, 5.0});
-  view.mesh = &open;
+  view.mesh = shared(open);
   const Picture inside = render(view, Show::normal);
   const glm::vec4 back = color_at(inside, 45 * 121 + 60);  // through the missing front: the inside of the back
   CHECK(back == glm::vec4(0.0f, 0.0f, 1.0f, 1.0f));
@@ -543,7 +543,7 @@ TEST_CASE("views that cannot be drawn are refused with the numbers") {
   voml::Mesh broken = voml::standard_cube();
   broken.triangles[3].y = 8;
   view = view_from({3.0, 2.5, 5.0});
-  view.mesh = &broken;
+  view.mesh = shared(broken);
   CHECK(refusal(view) == "triangle 3 of the support mesh refers to vertex 8 of 8");
 
   auto endless = must(runtime::Evaluator::create(device(), program(Show::unfinished)));

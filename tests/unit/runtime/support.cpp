@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "compiler/layout/scene_buffers.h"
 #include "kernels/probe_pixels.h"
 #include "kernels/probe_points.h"
 #include "shaders/records.h"
@@ -27,12 +28,16 @@ namespace {
 
 template <class T>
 compiler::Buffer buffer_of(const T& value) {
-  compiler::Buffer buffer{"scene", DMVV_BIND_NODES, std::vector<std::byte>(sizeof value)};
+  compiler::Buffer buffer{"scene", compiler::scene_binding::nodes, std::vector<std::byte>(sizeof value)};
   std::memcpy(buffer.bytes.data(), &value, sizeof value);
   return buffer;
 }
 
 }  // namespace
+
+compiler::Kernel kernel_of(const compiler::KernelSpec& spec, std::span<const std::uint32_t> spirv) {
+  return {spec, {{"", {spirv.begin(), spirv.end()}}}};
+}
 
 compiler::Program program(Show show) {
   compiler::Program made;
@@ -45,7 +50,7 @@ compiler::Program program(Show show) {
     std::memcpy(texture.texels.data() + 4 * i, &value, sizeof value);
   }
   made.textures.push_back(std::move(texture));
-  made.spirv[static_cast<int>(compiler::Kernel::pixels)].assign(std::begin(probe_pixels), std::end(probe_pixels));
+  made.kernels.push_back(kernel_of(compiler::pixels_kernel, probe_pixels));
   return made;
 }
 
@@ -53,9 +58,11 @@ compiler::Program points_program(float radius) {
   compiler::Program made;
   made.depth = 2;
   made.buffers.push_back(buffer_of(glm::vec4(radius, 0, 0, 0)));
-  made.spirv[static_cast<int>(compiler::Kernel::points)].assign(std::begin(probe_points), std::end(probe_points));
+  made.kernels.push_back(kernel_of(compiler::points_kernel, probe_points));
   return made;
 }
+
+std::shared_ptr<const voml::Mesh> shared(const voml::Mesh& mesh) { return std::make_shared<const voml::Mesh>(mesh); }
 
 voml::Mesh sphere(double radius, const glm::dvec3& centre, int rings) {
   voml::Mesh mesh;

@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -53,7 +55,10 @@ enum class Show : std::uint32_t { position = 0, normal = 1, light = 2, checker =
 /// answers 1 within `radius` of the origin.
 compiler::Program program(Show show);
 compiler::Program points_program(float radius);
+compiler::Kernel kernel_of(const compiler::KernelSpec& spec, std::span<const std::uint32_t> spirv);
 
+/// As views hold meshes.
+std::shared_ptr<const voml::Mesh> shared(const voml::Mesh& mesh);
 voml::Mesh sphere(double radius, const glm::dvec3& centre, int rings);
 voml::Mesh torus(double major, double minor, int segments);
 /// The triangles of both; those of b are turned over if `inverted`.

@@ -2,8 +2,8 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <map>
 #include <set>
 #include <string>
@@ -15,6 +15,12 @@ using namespace dmvv;
 using namespace dmvv::tests;
 
 namespace {
+
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool is_sanitized = true;
+#else
+constexpr bool is_sanitized = false;
+#endif
 
 constexpr double tolerance = 1e-6;  // literals are float32
 
@@ -321,9 +327,9 @@ TEST_CASE("text that would take too long or too much is refused, soon") {
   };
   for (const std::string& body : bodies) {
     CAPTURE(body.substr(0, 80));
-    const auto begin = std::chrono::steady_clock::now();
+    const std::clock_t begin = std::clock();  // of this process: other programs on the machine do not count
     const Outcome outcome = compile({{"s.voml", scene_of(body)}});
-    CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(10));
+    CHECK(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC < (is_sanitized ? 60.0 : 10.0));
     CHECK(outcome.messages.size() == 1);
     CHECK_FALSE(outcome.snippets.at(0).has_value());
   }

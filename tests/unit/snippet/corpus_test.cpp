@@ -142,7 +142,7 @@ TEST_CASE("corpus: the device's values lie in the float32 intervals") {
     const Snippet& snippet = entry.snippet;
     CAPTURE(name);
     compiler::Program program = points_program(snippet);
-    const auto compiled = compiler::to_spirv(program, compiler::Kernel::points);
+    const auto compiled = compiler::to_spirv(program, compiler::Source::points);
     REQUIRE_MESSAGE(compiled, (compiled ? std::string() : compiled.error().reasons.at(0)));
     int loose = 0;
     for (const double t : times_ms) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "compiler/layout/scene_buffers.h"
 #include "compiler/program.h"
 #include "compiler/snippet/snippet.h"
 #include "shaders/records.h"
@@ -24,9 +25,10 @@ inline std::vector<float> times_of(const Snippet& snippet, double t_ms) {
 inline compiler::Program points_program(const Snippet& snippet) {
   compiler::Program program;
   const std::vector<float> times = times_of(snippet, 0.0);
-  compiler::Buffer buffer{"time_values", DMVV_BIND_NODES, std::vector<std::byte>(times.size() * sizeof(float))};
+  constexpr std::uint32_t binding = compiler::scene_binding::time_values;
+  compiler::Buffer buffer{"time_values", binding, std::vector<std::byte>(times.size() * sizeof(float))};
   program.buffers.push_back(std::move(buffer));
-  program.glsl[static_cast<std::size_t>(compiler::Kernel::points)] = fmt::format(
+  const std::string glsl = fmt::format(
       R"(#version 460
 layout(local_size_x = {}) in;
 layout(set = 0, binding = {}, std430) readonly buffer TimeValues {{ float time_values[]; }};
@@ -43,8 +45,9 @@ void main() {{
   answers[first + 2u] = floatBitsToUint(f(points[i].xyz));
 }}
 )",
-      DMVV_POINTS_GROUP_SIZE, DMVV_BIND_NODES, DMVV_BIND_POINTS, DMVV_BIND_ANSWERS, snippet.glsl("f", 0),
+      DMVV_POINTS_GROUP_SIZE, binding, DMVV_BIND_POINTS, DMVV_BIND_ANSWERS, snippet.glsl("f", 0),
       DMVV_ANSWER_HEADER + 2, DMVV_ANSWER_HEADER + 2);
+  program.kernels.push_back({compiler::points_kernel, {{glsl, {}}}});
   return program;
 }
 

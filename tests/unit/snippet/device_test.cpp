@@ -29,7 +29,7 @@ runtime::Device open_device() {
 /// The values of a snippet at points, as the device computes them.
 std::vector<double> on_device(runtime::Device& device, const Snippet& snippet, const std::vector<glm::dvec3>& points) {
   compiler::Program program = points_program(snippet);
-  const auto compiled = compiler::to_spirv(program, compiler::Kernel::points);
+  const auto compiled = compiler::to_spirv(program, compiler::Source::points);
   REQUIRE_MESSAGE(compiled, (compiled ? std::string() : compiled.error().reasons.at(0)));
   auto evaluator = runtime::Evaluator::create(device, program);
   REQUIRE_MESSAGE(evaluator, evaluator.error().message);

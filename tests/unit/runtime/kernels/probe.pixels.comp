@@ -7,7 +7,7 @@
 // buffer asks for: the position, the normal, the light, or a checker pattern.
 
 layout(set = 0, binding = DMVV_BIND_GRID_ATLAS) uniform sampler3D distance;
-layout(set = 0, binding = DMVV_BIND_NODES, std430) readonly buffer Scene { uvec4 what; };
+layout(set = 0, binding = 2, std430) readonly buffer Scene { uvec4 what; };
 
 void main() {
   uvec2 pixel;

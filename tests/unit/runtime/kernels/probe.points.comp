@@ -5,7 +5,7 @@
 // beyond. Region DMVV_UNFINISHED where x > 50.
 
 layout(local_size_x = DMVV_POINTS_GROUP_SIZE) in;
-layout(set = 0, binding = DMVV_BIND_NODES, std430) readonly buffer Scene { vec4 radius; };
+layout(set = 0, binding = 2, std430) readonly buffer Scene { vec4 radius; };
 layout(set = 1, binding = DMVV_BIND_POINTS, std430) readonly buffer Points { vec4 points[]; };
 layout(set = 1, binding = DMVV_BIND_ANSWERS, std430) writeonly buffer Answers { uint answers[]; };
 layout(push_constant) uniform Params { PointsParams params; };

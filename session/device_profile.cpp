@@ -1,5 +1,5 @@
 // Each figure is the difference between two programs that differ in one thing, divided by how often that is in there.
-#include "runtime/calibrate.h"
+#include "session/device_profile.h"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,8 @@
 #include <cstring>
 
 #include "compiler/snippet/program.h"
-#include "runtime/gpu/gpu.h"
 
-namespace dmvv::runtime {
+namespace dmvv::session {
 
 namespace {
 
@@ -138,7 +137,7 @@ compiler::Module candidates(std::size_t count) {
 
 class Calibration {
  public:
-  explicit Calibration(Device& device) : device_(device) {}
+  explicit Calibration(runtime::Device& device) : device_(device) {}
 
   /// Nothing if a program could not be measured.
   std::optional<DeviceCosts> run(DeviceCosts costs) {
@@ -168,19 +167,19 @@ class Calibration {
     options.codegen = codegen;
     options.disabled_passes = {"index", "merge-assets", "prune-sides", "drop-unreachable"};
     auto program = compiler::compile(std::move(module), options, diagnostics);
-    if (!program || !compiler::to_spirv(*program, compiler::Kernel::pixels)) return fail();
-    auto evaluator = Evaluator::create(device_, *program);
+    if (!program || !compiler::to_spirv(*program, compiler::Source::surface)) return fail();
+    auto evaluator = runtime::Evaluator::create(device_, *program);
     if (!evaluator) return fail();
-    View view;
+    runtime::View view;
     view.size_px = size_px;
-    view.slice = Plane{{0.0, 0.0, 1.0}, 0.1};
-    view.colors = Colors::bytes;
+    view.slice = runtime::Plane{{0.0, 0.0, 1.0}, 0.1};
+    view.colors = runtime::Colors::bytes;
     view.disabled_passes = {"keep-picture"};
     double least_ms = 1e9;
     for (int i = 0; i < repeats; ++i) {
-      Timings timings;
+      runtime::Timings timings;
       if (!evaluator->render(view, &timings)) return fail();
-      const auto gpu = std::ranges::find(timings, gpu_step, &Timing::step);
+      const auto gpu = std::ranges::find(timings, runtime::gpu_step, &runtime::Timing::step);
       if (gpu == timings.end()) return fail();
       least_ms = std::min(least_ms, gpu->ms);
     }
@@ -192,20 +191,20 @@ class Calibration {
     return 0.0;
   }
 
-  Device& device_;
+  runtime::Device& device_;
   bool failed_ = false;
 };
 
-std::string key_of(const DeviceInfo& device) {
+std::string key_of(const runtime::DeviceInfo& device) {
   return fmt::format("device costs {}\n{}\n{}\n{}", version, device.name, device.driver, device.api_version);
 }
 
-DeviceCosts costs_of_kind(const DeviceInfo& device) {
+DeviceCosts costs_of_kind(const runtime::DeviceInfo& device) {
   return device.kind == "cpu" ? compiler::costs_of_cpu() : compiler::costs_of_gpu();
 }
 
-std::optional<DeviceCosts> find(const Device& device) {
-  const auto& cache = device.impl().cache;
+std::optional<DeviceCosts> find(const runtime::Device& device) {
+  const std::shared_ptr<const runtime::DiskCache> cache = device.cache();
   const auto kept = cache ? cache->find(key_of(device.info())) : std::nullopt;
   if (!kept || kept->size() != sizeof(DeviceCosts)) return std::nullopt;
   DeviceCosts costs;
@@ -215,18 +214,18 @@ std::optional<DeviceCosts> find(const Device& device) {
 
 }  // namespace
 
-DeviceCosts costs_of(const Device& device) { return find(device).value_or(costs_of_kind(device.info())); }
+DeviceCosts costs_of(const runtime::Device& device) { return find(device).value_or(costs_of_kind(device.info())); }
 
-void fit_to(const Device& device, compiler::CompileOptions& options) {
-  const DeviceInfo& info = device.info();
+void fit_to(const runtime::Device& device, compiler::CompileOptions& options) {
+  const runtime::DeviceInfo& info = device.info();
   options.max_extent_3d = info.max_extent_3d;
   options.max_storage_buffer = info.max_storage_buffer;
   options.max_texel_buffer_elements = info.kind == "cpu" ? info.max_texel_buffer_elements : 0;
   options.costs = costs_of(device);
 }
 
-void calibrate(Device& device) {
-  const auto& cache = device.impl().cache;
+void calibrate(runtime::Device& device) {
+  const std::shared_ptr<const runtime::DiskCache> cache = device.cache();
   if (!cache || find(device)) return;
   const auto measured = Calibration(device).run(costs_of_kind(device.info()));
   if (!measured) return;
@@ -234,4 +233,4 @@ void calibrate(Device& device) {
   cache->keep(key_of(device.info()), std::string(reinterpret_cast<const char*>(&*measured), sizeof *measured));
 }
 
-}  // namespace dmvv::runtime
+}  // namespace dmvv::session
