@@ -423,9 +423,9 @@ struct IntervalDomain : IntegerIntervalOps {
     const Interval inside{std::clamp(a.lo, -1.0, 1.0), std::clamp(a.hi, -1.0, 1.0), a.maybe_nan || outside};
     Interval exact = rising(inside, [](double x) { return std::atanh(x); });
     if (float32) {  // a device may come to what a neighbour of the pole has: SwiftShader's atanh(-1) is -44
-      const double largest = std::atanh(1.0 - 0x1p-24);
-      if (a.lo <= -1.0) exact.hi = larger(exact.hi, -largest);
-      if (a.hi >= 1.0) exact.lo = smaller(exact.lo, largest);
+      const double beside_pole = std::atanh(1.0 - 0x1p-24);
+      if (a.lo <= -1.0) exact.hi = larger(exact.hi, -beside_pole);
+      if (a.hi >= 1.0) exact.lo = smaller(exact.lo, beside_pole);
     }
     return finish<Op::f_atanh>(exact);
   }
