@@ -23,24 +23,41 @@ Result<Evaluator> Evaluator::create(Device& device, const compiler::Program& pro
   });
 }
 
+/// What is under way ends, and the scene's time is set.
+Result<void> Evaluator::Impl::go_to(double time_ms) {
+  if (auto done = renderer.finish(nullptr); !done) return done;
+  return scene.set_time(time_ms);
+}
+
 Result<std::vector<compiler::PointAnswer>> Evaluator::probe(std::span<const glm::dvec3> points, double time_ms,
                                                             Timings* timings) {
   return guarded("evaluating points", [&]() -> Result<std::vector<compiler::PointAnswer>> {
-    if (auto set = impl_->scene.set_time(time_ms); !set) return tl::unexpected(std::move(set.error()));
+    if (auto ready = impl_->go_to(time_ms); !ready) return tl::unexpected(std::move(ready.error()));
     return impl_->points.probe(points, timings);
   });
 }
 
+Result<void> Evaluator::draw(const View& view, Timings* timings) {
+  return guarded("drawing", [&]() -> Result<void> {
+    if (auto ready = impl_->go_to(view.time_ms); !ready) return ready;
+    return impl_->renderer.draw(view, timings);
+  });
+}
+
+Result<void> Evaluator::finish(Timings* timings) {
+  return guarded("drawing", [&] { return impl_->renderer.finish(timings); });
+}
+
 Result<Picture> Evaluator::render(const View& view, Timings* timings) {
   return guarded("rendering", [&]() -> Result<Picture> {
-    if (auto set = impl_->scene.set_time(view.time_ms); !set) return tl::unexpected(std::move(set.error()));
+    if (auto ready = impl_->go_to(view.time_ms); !ready) return tl::unexpected(std::move(ready.error()));
     return impl_->renderer.render(view, timings);
   });
 }
 
 Result<std::string> Evaluator::plan(const View& view) {
   return guarded("planning", [&]() -> Result<std::string> {
-    if (auto set = impl_->scene.set_time(view.time_ms); !set) return tl::unexpected(std::move(set.error()));
+    if (auto ready = impl_->go_to(view.time_ms); !ready) return tl::unexpected(std::move(ready.error()));
     auto plan = impl_->renderer.plan(view);
     if (!plan) return tl::unexpected(std::move(plan.error()));
     return to_text(*plan);

@@ -15,6 +15,7 @@ struct Evaluator::Impl {
 
   Impl(const Device::Impl& gpu, const compiler::Program& program, std::shared_ptr<const compiler::Judge> judge,
        std::unique_ptr<Rasteriser> prepared);
+  Result<void> go_to(double time_ms);
 };
 
 }  // namespace dmvv::runtime

@@ -41,6 +41,14 @@ class Evaluator {
   Result<std::vector<compiler::PointAnswer>> probe(std::span<const glm::dvec3> points, double time_ms = 0.0,
                                                    Timings* timings = nullptr);
 
+  /// Draws a picture that stays on the device, and returns before the device is done: a `render` of the same view only
+  /// brings it home (unless it has more than 10 million samples, or the pass keep-picture is off). Needs the pixels
+  /// kernel. Adds "pipeline" and "frame", the host's share, to `timings`. Errors: those of `render` that come from the
+  /// view; what the device finds is told by `finish`, or by whichever call comes next.
+  Result<void> draw(const View& view, Timings* timings = nullptr);
+  /// Waits for what `draw` began; adds "gpu" to `timings`. Errors: as `render`, of the picture drawn.
+  Result<void> finish(Timings* timings = nullptr);
+
   /// One picture. Needs the pixels kernel. Adds "pipeline" (first use for slices, for surfaces, for cut surfaces: the
   /// driver's compilation included, by drawing 8x8 pixels) "gpu" and "frame" to `timings`. A mesh drawn before is kept
   /// on the device. Errors (input): views that cannot be drawn (sides times samples beyond 16384 or the device's limit,

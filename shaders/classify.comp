@@ -22,16 +22,16 @@ uint judge_pixel(uvec2 pixel, out uint known) {
   uint word = verdict_words[cell];
   bool is_still = (word & (DMVV_VERDICT_DECIDED | DMVV_VERDICT_STILL)) != 0u;
   bool is_proven = all(lessThanEqual(abs(p), vec3(1.0)));  // of points outside of the cube nothing is
-  if (params.keeps_still != 0u && is_still && is_proven) return DMVV_NOTHING;
+  if (frame.keeps_still != 0u && is_still && is_proven) return DMVV_NOTHING;
   uint counted = cell, first_outcome = 0u;
-  if (!is_still && params.first_span_word != 0u) {
-    cell = find_verdict(p, params.first_span_word);
+  if (!is_still && frame.first_span_word != 0u) {
+    cell = find_verdict(p, frame.first_span_word);
     word = verdict_words[cell];
-    first_outcome = params.first_span_outcome;
-    if (params.counts_both == 0u || ((pixel.x + pixel.y) & 1u) != 0u) counted = cell;
+    first_outcome = frame.first_span_outcome;
+    if (frame.counts_both == 0u || ((pixel.x + pixel.y) & 1u) != 0u) counted = cell;
   }
   bool is_decided = (word & DMVV_VERDICT_DECIDED) != 0u;
-  bool paints = is_proven && is_decided && ((word & DMVV_VERDICT_BITMAP) == 0u || params.paints_bitmaps != 0u);
+  bool paints = is_proven && is_decided && ((word & DMVV_VERDICT_BITMAP) == 0u || frame.paints_bitmaps != 0u);
   known = paints ? first_outcome + (word & DMVV_VERDICT_VALUE) : is_proven && !is_decided ? counted : DMVV_NO_CELL;
   return paints ? DMVV_TO_PAINT : is_leader(pixel) ? DMVV_LEADERS_OF_TILES : DMVV_TO_EVALUATE;
 }

@@ -10,7 +10,7 @@ uint groups_of(uint kind, uint pixels_of_group) { return (list.header.counts[kin
 void main() {
   if (gl_GlobalInvocationID.x != 0u) return;
   const uint pixels = DMVV_PIXELS_GROUP_SIZE;
-  uint followers = params.has_leaders != 0u ? pixels * DMVV_PIXELS_BLOCK : pixels;  // `follow` takes runs of them
+  uint followers = frame.has_leaders != 0u ? pixels * DMVV_PIXELS_BLOCK : pixels;  // `follow` takes runs of them
   list.header.groups[DMVV_TO_EVALUATE].x = groups_of(DMVV_TO_EVALUATE, followers);
   list.header.groups[DMVV_LEFT].x = groups_of(DMVV_LEFT, pixels);
   list.header.groups[DMVV_LEADERS_OF_TILES].x = groups_of(DMVV_LEADERS_OF_TILES, pixels);

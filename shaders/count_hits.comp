@@ -8,7 +8,7 @@
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
-  if (i >= list.header.counts[params.listed_kind]) return;
-  uint cell = known_of[entry_of(params.listed_kind, i)];
-  if (cell != DMVV_NO_CELL && (verdict_words[cell] & DMVV_VERDICT_FINAL) == 0u) count_hit(cell, params.hits_to_split);
+  if (i >= list.header.counts[this_step.listed_kind]) return;
+  uint cell = known_of[entry_of(this_step.listed_kind, i)];
+  if (cell != DMVV_NO_CELL && (verdict_words[cell] & DMVV_VERDICT_FINAL) == 0u) count_hit(cell, frame.hits_to_split);
 }

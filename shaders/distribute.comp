@@ -12,7 +12,7 @@
 const uint run = uint(DMVV_PIXELS_BLOCK);
 
 void main() {
-  uint first = gl_GlobalInvocationID.x * run, end = min(first + run, pixels_of_stage(params.stage));
+  uint first = gl_GlobalInvocationID.x * run, end = min(first + run, pixels_of_stage(this_step.stage));
   uint next[run];
   uint stages = 0u;
   for (uint i = 0u; i < run; ++i) {
@@ -26,7 +26,7 @@ void main() {
     if (subgroupElect()) slot = atomicAdd(queues.header.counts[stage], sum);
     slot = subgroupBroadcastFirst(slot) + before;
     for (uint i = 0u; i < run; ++i) {
-      if (next[i] == stage) queues.pixels[queue_entry(stage, slot++)] = pixel_of_stage(params.stage, first + i);
+      if (next[i] == stage) queues.pixels[queue_entry(stage, slot++)] = pixel_of_stage(this_step.stage, first + i);
     }
   }
 }

@@ -33,7 +33,7 @@ void main() {
   uint slot = reserve(DMVV_LEFT, bitCount(left));
   uint to = entry_of(DMVV_LEFT, slot);
   for (uint bits = left, i = to; bits != 0u; bits &= bits - 1u) list.entries[i++] = list.entries[first + findLSB(bits)];
-  if (params.hits_to_split != 0u) {
+  if (frame.hits_to_split != 0u) {
     for (uint bits = left, i = to; bits != 0u; bits &= bits - 1u) known_of[i++] = known_of[first + findLSB(bits)];
   }
 }

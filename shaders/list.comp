@@ -13,7 +13,7 @@ void main() {
   uint seen = 0u, leaders = 0u;
   for (uint x = 0u; x < DMVV_RUN; ++x) {
     uvec2 pixel = first + uvec2(x, 0u);
-    if (!is_in_picture(pixel) || (imageLoad(surface_image, ivec2(pixel)).w == 0u && params.lists_all == 0u)) continue;
+    if (!is_in_picture(pixel) || (imageLoad(surface_image, ivec2(pixel)).w == 0u && frame.lists_all == 0u)) continue;
     if (is_leader(pixel)) leaders |= 1u << x;
     else seen |= 1u << x;
   }

@@ -17,7 +17,8 @@ layout(set = 1, binding = DMVV_BIND_KNOWN, std430) buffer Known { uint known_of[
 layout(set = 1, binding = DMVV_BIND_LEADER_PLACE, rgba32f) uniform image2D leader_place;
 layout(set = 1, binding = DMVV_BIND_LEADER_COLOR, rgba32f) uniform image2D leader_color;
 layout(set = 1, binding = DMVV_BIND_LEADER_REGION, r32ui) uniform uimage2D leader_region;
-layout(push_constant) uniform Params { PixelsParams params; };
+layout(set = 1, binding = DMVV_BIND_FRAME, std140) uniform FrameBlock { FrameParams frame; };
+layout(push_constant) uniform StepBlock { StepParams this_step; };
 
 uvec2 unpack_pixel(uint xy) { return uvec2(xy & 0xffffu, xy >> 16u); }
 
@@ -25,25 +26,25 @@ uvec2 listed_pixel(uint entry) { return unpack_pixel(list.entries[entry]); }
 
 // The entry of pixel number i of a list.
 uint entry_of(uint kind, uint i) {
-  uint pixels = params.width * params.height;
+  uint pixels = frame.width * frame.height;
   return kind == DMVV_TO_PAINT ? pixels - 1u - i : kind * pixels + i;
 }
 
 // The upper left pixel of a block; blocks follow each other row by row.
 uvec2 block_corner(uint block) {
-  uint blocks_x = (params.width + DMVV_PIXELS_BLOCK - 1u) / DMVV_PIXELS_BLOCK;
+  uint blocks_x = (frame.width + DMVV_PIXELS_BLOCK - 1u) / DMVV_PIXELS_BLOCK;
   return uvec2(block % blocks_x, block / blocks_x) * DMVV_PIXELS_BLOCK;
 }
 
-bool is_in_picture(uvec2 pixel) { return pixel.x < params.width && pixel.y < params.height; }
+bool is_in_picture(uvec2 pixel) { return pixel.x < frame.width && pixel.y < frame.height; }
 
 // The pixel of this invocation; false: there is none.
 #ifndef DMVV_STAGE
 bool find_pixel(out uvec2 pixel) {
   uint i = gl_GlobalInvocationID.x;
   if (listed) {
-    bool there = i < list.header.counts[params.listed_kind];
-    pixel = listed_pixel(there ? entry_of(params.listed_kind, i) : 0u);
+    bool there = i < list.header.counts[this_step.listed_kind];
+    pixel = listed_pixel(there ? entry_of(this_step.listed_kind, i) : 0u);
     return there;
   }
   uint within = i % DMVV_PIXELS_GROUP_SIZE;
@@ -53,14 +54,14 @@ bool find_pixel(out uvec2 pixel) {
 #endif
 
 // The point of root coordinates that a surface texel stands for.
-vec3 surface_point(uvec4 surface) { return clamp(surface_position(surface), params.bounds_lo.xyz, params.bounds_hi.xyz); }
+vec3 surface_point(uvec4 surface) { return clamp(surface_position(surface), frame.bounds_lo.xyz, frame.bounds_hi.xyz); }
 
 // Share of a surface's colour that remains when it faces away from the light.
 const float ambient = 0.35;
 
 vec4 shade(vec4 rgba, uvec4 surface) {
-  float lit = ambient + (1.0 - ambient) * max(dot(surface_normal(surface), params.light.xyz), 0.0);
-  return vec4(params.light.w != 0.0 ? rgba.rgb * lit : rgba.rgb, rgba.a);
+  float lit = ambient + (1.0 - ambient) * max(dot(surface_normal(surface), frame.light.xyz), 0.0);
+  return vec4(frame.light.w != 0.0 ? rgba.rgb * lit : rgba.rgb, rgba.a);
 }
 
 // As runtime::to_byte rounds.

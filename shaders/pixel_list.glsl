@@ -18,7 +18,7 @@ uint reserve(uint kind, uint count) {
 
 // Does the pixel lead its tile? One next to the middle, so that no other is far from it.
 bool is_leader(uvec2 pixel) {
-  return params.has_leaders != 0u && all(equal(pixel % DMVV_LEADER_TILE, uvec2(DMVV_LEADER_TILE / 2u)));
+  return frame.has_leaders != 0u && all(equal(pixel % DMVV_LEADER_TILE, uvec2(DMVV_LEADER_TILE / 2u)));
 }
 
 void list_pixel(uvec2 pixel, uint entry) { list.entries[entry] = pixel.x | pixel.y << 16u; }

@@ -41,6 +41,7 @@ using uvec4 = glm::uvec4;
 
 // of each entry of the lists, if `classify` made them: the cell to be told that it was evaluated, or the outcome to paint it with
 #define DMVV_BIND_KNOWN 10     // uint[]
+#define DMVV_BIND_FRAME 11     // FrameParams, uniform
 #define DMVV_MOST_STAGES 16
 
 // ---- bindings of descriptor set 2 of `classify`: two trees of verdicts, one for ever, one for a span of time ----
@@ -87,7 +88,8 @@ struct PointsParams {
   uint pad0, pad1, pad2;
 };
 
-struct PixelsParams {
+// What all kernels over the pixels of a tile are told: a uniform block (DMVV_BIND_FRAME).
+struct FrameParams {
   vec4 bounds_lo;  // xyz: positions are clamped to these bounds (they lie in them but for rounding)
   vec4 bounds_hi;
   vec4 light;      // xyz: unit vector from the surface to the light, root frame; w: 1 lit, 0 unlit
@@ -99,9 +101,14 @@ struct PixelsParams {
   uint counts_both;        // `classify`: 1 if half of the hits count for what may hold for ever
   uint paints_bitmaps;     // `classify`: 0: decided pixels of regions with bitmaps are evaluated all the same
   uint has_leaders;        // `list`, `classify`: 1 if leaders have a list of their own
-  uint listed_kind;        // the list whose pixels are this kernel's
   uint lists_all;          // `list`: 1 if pixels without a surface are listed too
-  uint stage;              // `distribute`: whose pixels go on
+  uint pad0, pad1;
+};
+
+// What one step of a frame is told beside that: a push constant.
+struct StepParams {
+  uint listed_kind;  // the list whose pixels are this kernel's
+  uint stage;        // `distribute`: whose pixels go on
 };
 
 // What `list` or `classify` counts, and indirect dispatches read. The lists of a kind lie one after the other, with room for all
@@ -215,7 +222,8 @@ struct PlacementRecord {
 
 #ifdef __cplusplus
 static_assert(sizeof(PointsParams) == 16);
-static_assert(sizeof(PixelsParams) == 96);
+static_assert(sizeof(FrameParams) == 96);
+static_assert(sizeof(StepParams) == 8);
 static_assert(sizeof(PixelListHeader) == 80);
 static_assert(sizeof(QueueHeader) == 28 * DMVV_MOST_STAGES);
 static_assert(sizeof(AffineRows) == 48);

@@ -20,9 +20,11 @@ class Recorder {
   Recorder(const vk::raii::CommandBuffer& commands, TileWork& work) : commands_(commands), work_(work) {}
 
   void run() {
+    wait();  // for what was submitted before
+    commands_.updateBuffer<gpu::FrameParams>(*work_.tile.block.buffer, 0, work_.params);
     const std::vector<bool> waiting = waits(work_.plan.steps);
     for (std::size_t i = 0; i < waiting.size(); ++i) {
-      if (waiting[i] || i == 0) wait();  // at first for what the tile before it did
+      if (waiting[i] || i == 0) wait();
       record(work_.plan.steps[i]);
     }
   }
@@ -32,7 +34,7 @@ class Recorder {
   void wait() {
     constexpr auto written = Access::eShaderWrite | Access::eTransferWrite;
     constexpr auto used = Access::eShaderRead | Access::eShaderWrite | Access::eTransferRead | Access::eTransferWrite |
-                          Access::eIndirectCommandRead;
+                          Access::eIndirectCommandRead | Access::eUniformRead;
     commands_.pipelineBarrier(Stage::eComputeShader | Stage::eTransfer,
                               Stage::eComputeShader | Stage::eTransfer | Stage::eDrawIndirect, {},
                               vk::MemoryBarrier{.srcAccessMask = written, .dstAccessMask = used}, nullptr, nullptr);
@@ -47,8 +49,10 @@ class Recorder {
         return upload_slice();
       case Step::clear:
         return clear();
-      case Step::read_back:
-        return read_back();
+      case Step::report:
+        return report();
+      case Step::bring_home:
+        return bring_home();
       case Step::list:
       case Step::classify:
         return dispatch(planned, (blocks() * DMVV_PIXELS_BLOCK + DMVV_PIXELS_GROUP_SIZE - 1) / DMVV_PIXELS_GROUP_SIZE);
@@ -92,12 +96,11 @@ class Recorder {
   void bind(const PlannedStep& planned) {
     constexpr auto compute = vk::PipelineBindPoint::eCompute;
     const FrameKernels::Bound kernel = work_.kernels.at(planned.step, planned.stage, work_.kind);
-    if (planned.list != no_list) work_.params.listed_kind = planned.list;
-    work_.params.stage = planned.stage;
+    const gpu::StepParams step{planned.list == no_list ? DMVV_TO_EVALUATE : planned.list, planned.stage};
     commands_.bindPipeline(compute, kernel.pipeline);
     commands_.bindDescriptorSets(compute, kernel.layout, 0, {work_.scene.set(), *work_.tile.set}, nullptr);
     if (kernel.asks_verdicts) commands_.bindDescriptorSets(compute, kernel.layout, 2, work_.verdicts->set(), nullptr);
-    commands_.pushConstants<gpu::PixelsParams>(kernel.layout, vk::ShaderStageFlagBits::eCompute, 0, work_.params);
+    commands_.pushConstants<gpu::StepParams>(kernel.layout, vk::ShaderStageFlagBits::eCompute, 0, step);
   }
 
   /// Uploads a slice's surface in place of a drawn one.
@@ -147,22 +150,32 @@ class Recorder {
     }
   }
 
+  void report() {
+    commands_.copyBuffer(*work_.images.scratch().list.buffer, *work_.tile.report.buffer,
+                         vk::BufferCopy{0, 0, sizeof(gpu::PixelListHeader)});
+    for_host();
+  }
+
   /// Copies everything that is asked for into the buffer that the host reads.
-  void read_back() {
+  void bring_home() {
     const Outputs& outputs = work_.images.outputs();
     const Tile& tile = work_.plan.tile;
+    const GpuBuffer& target = work_.images.readback_of(work_.tile);
     const ReadbackLayout layout(std::size_t{tile.size_px.x} * tile.size_px.y, outputs);
     const auto copy = [&](const GpuImage& image, vk::DeviceSize offset) {
       for_transfer(image, Layout::eTransferSrcOptimal, [&] {
-        commands_.copyImageToBuffer(*image.image, Layout::eTransferSrcOptimal, *work_.tile.readback.buffer,
+        commands_.copyImageToBuffer(*image.image, Layout::eTransferSrcOptimal, *target.buffer,
                                     tile_copy(offset, tile.size_px));
       });
     };
     copy(outputs.colors == Colors::bytes ? work_.tile.bytes : work_.tile.color, layout.colors);
     if (outputs.regions) copy(work_.tile.region, layout.regions);
     if (outputs.positions) copy(work_.tile.surface, layout.positions);
-    commands_.copyBuffer(*work_.images.scratch().list.buffer, *work_.tile.readback.buffer,
-                         vk::BufferCopy{0, layout.header, sizeof(gpu::PixelListHeader)});
+    for_host();
+  }
+
+  /// What was copied can be read by the host once the commands are done.
+  void for_host() {
     const vk::MemoryBarrier copied{.srcAccessMask = Access::eTransferWrite, .dstAccessMask = Access::eHostRead};
     commands_.pipelineBarrier(Stage::eTransfer, Stage::eHost, {}, copied, nullptr, nullptr);
   }

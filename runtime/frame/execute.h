@@ -15,7 +15,7 @@ struct TileWork {
   const FrameSetup& setup;
   FramePasses passes;
   KernelKind kind;
-  gpu::PixelsParams params;
+  gpu::FrameParams params;
   const FrameKernels& kernels;
   const SceneOnDevice& scene;
   const Verdicts* verdicts;  ///< null: no step asks them

@@ -39,8 +39,7 @@ bool only_time_differs(const ShadingKey& a, const ShadingKey& b) {
 ReadbackLayout::ReadbackLayout(std::size_t pixels, const Outputs& outputs)
     : colors(outputs.positions ? 16 * pixels : 0),
       regions(colors + (outputs.colors == Colors::bytes ? 4 : 16) * pixels),
-      header(regions + (outputs.regions ? 4 * pixels : 0)),
-      bytes(header + sizeof(gpu::PixelListHeader)) {}
+      bytes(regions + (outputs.regions ? 4 * pixels : 0)) {}
 
 FrameImages::FrameImages(const Device::Impl& gpu, const vk::raii::DescriptorSetLayout& layout, vk::Extent2D extent,
                          std::size_t tile_count, const Outputs& outputs, const FrameNeeds& needs,
@@ -97,8 +96,9 @@ TileImages FrameImages::make_tile(const vk::raii::DescriptorSetLayout& layout, s
   made.color = image(vk::Format::eR32G32B32A32Sfloat, !as_bytes);
   made.bytes = image(vk::Format::eR32Uint, as_bytes);
   made.region = image(vk::Format::eR32Uint, outputs_.regions);
-  made.readback =
-      gpu_.make_buffer(ReadbackLayout(area_of(extent_), outputs_).bytes, BufferUse::eTransferDst, MemoryUse::readback);
+  made.block = gpu_.make_buffer(sizeof(gpu::FrameParams), BufferUse::eUniformBuffer | BufferUse::eTransferDst,
+                                MemoryUse::device);
+  made.report = gpu_.make_buffer(sizeof(gpu::PixelListHeader), BufferUse::eTransferDst, MemoryUse::readback);
   made.set = DescriptorSet(gpu_, layout, pixel_bindings);
   made.set.write(DMVV_BIND_SURFACE, made.surface);
   made.set.write(DMVV_BIND_COLOR, made.color);
@@ -111,6 +111,7 @@ TileImages FrameImages::make_tile(const vk::raii::DescriptorSetLayout& layout, s
   made.set.write(DMVV_BIND_QUEUES, scratch_.queues);
   made.set.write(DMVV_BIND_NEXT, scratch_.next_stages);
   made.set.write(DMVV_BIND_KNOWN, scratch_.known);
+  made.set.write(DMVV_BIND_FRAME, made.block);
   return made;
 }
 
@@ -138,6 +139,16 @@ GpuBuffer& FrameImages::slice_surface() {
   return scratch_.slice_surface;
 }
 
+GpuBuffer& FrameImages::readback_of(TileImages& tile) const {
+  const vk::DeviceSize bytes = ReadbackLayout(area_of(extent_), outputs_).bytes;
+  if (tile.readback.bytes == 0) tile.readback = gpu_.make_buffer(bytes, BufferUse::eTransferDst, MemoryUse::readback);
+  return tile.readback;
+}
+
+const gpu::PixelListHeader& counted(const TileImages& images) {
+  return *static_cast<const gpu::PixelListHeader*>(images.report.mapped);
+}
+
 TilePixels pixels_of(const TileImages& images, const Tile& tile, const Outputs& outputs) {
   const ReadbackLayout layout(std::size_t{tile.size_px.x} * tile.size_px.y, outputs);
   const auto* mapped = static_cast<const std::byte*>(images.readback.mapped);
@@ -145,8 +156,7 @@ TilePixels pixels_of(const TileImages& images, const Tile& tile, const Outputs& 
   return {as_bytes ? nullptr : reinterpret_cast<const glm::vec4*>(mapped + layout.colors),
           as_bytes ? reinterpret_cast<const std::uint32_t*>(mapped + layout.colors) : nullptr,
           outputs.positions ? reinterpret_cast<const glm::uvec4*>(mapped + layout.positions) : nullptr,
-          outputs.regions ? reinterpret_cast<const std::uint32_t*>(mapped + layout.regions) : nullptr,
-          *reinterpret_cast<const gpu::PixelListHeader*>(mapped + layout.header)};
+          outputs.regions ? reinterpret_cast<const std::uint32_t*>(mapped + layout.regions) : nullptr};
 }
 
 }  // namespace dmvv::runtime

@@ -31,7 +31,7 @@ bool operator==(const SurfaceKey& a, const SurfaceKey& b);
 
 /// All that a tile's colours depend on beside its surface.
 struct ShadingKey {
-  gpu::PixelsParams params{};
+  gpu::FrameParams params{};
   std::vector<float> time_values;
 };
 bool operator==(const ShadingKey& a, const ShadingKey& b);
@@ -39,7 +39,7 @@ bool operator==(const ShadingKey& a, const ShadingKey& b);
 bool only_time_differs(const ShadingKey& a, const ShadingKey& b);
 
 /// Descriptor set 1 of the kernels over pixels: DMVV_BIND_SURFACE and those that follow it.
-inline constexpr std::array<SetBinding, 11> pixel_bindings{{
+inline constexpr std::array<SetBinding, 12> pixel_bindings{{
     {DMVV_BIND_SURFACE, vk::DescriptorType::eStorageImage},
     {DMVV_BIND_COLOR, vk::DescriptorType::eStorageImage},
     {DMVV_BIND_BYTES, vk::DescriptorType::eStorageImage},
@@ -51,12 +51,13 @@ inline constexpr std::array<SetBinding, 11> pixel_bindings{{
     {DMVV_BIND_QUEUES, vk::DescriptorType::eStorageBuffer},
     {DMVV_BIND_NEXT, vk::DescriptorType::eStorageBuffer},
     {DMVV_BIND_KNOWN, vk::DescriptorType::eStorageBuffer},
+    {DMVV_BIND_FRAME, vk::DescriptorType::eUniformBuffer},
 }};
 
 /// Where the parts of a tile stand in the buffer that is read back: each at a multiple of its texels, the largest
 /// first.
 struct ReadbackLayout {
-  vk::DeviceSize positions = 0, colors, regions, header, bytes;
+  vk::DeviceSize positions = 0, colors, regions, bytes;
   ReadbackLayout(std::size_t pixels, const Outputs& outputs);
 };
 
@@ -65,10 +66,13 @@ struct ReadbackLayout {
 struct TileImages {
   GpuImage surface;
   GpuImage color, bytes, region;
-  GpuBuffer readback;  ///< ReadbackLayout
+  GpuBuffer block;     ///< gpu::FrameParams
+  GpuBuffer report;    ///< gpu::PixelListHeader, for the host
+  GpuBuffer readback;  ///< ReadbackLayout; made when something is first brought home
   DescriptorSet set;
   std::optional<SurfaceKey> drawn;   ///< what `surface` shows
-  std::optional<ShadingKey> shaded;  ///< what the images and `readback` show of it
+  std::optional<ShadingKey> shaded;  ///< what the images show of it
+  bool is_home = false;              ///< and `readback` as well
 };
 
 /// What tiles use one after the other.
@@ -108,6 +112,8 @@ class FrameImages {
   TileScratch& scratch() { return scratch_; }
   /// The buffer from which a slice's points are copied, of 16 bytes a pixel.
   GpuBuffer& slice_surface();
+  /// The buffer into which what is asked for of a tile is copied for the host.
+  GpuBuffer& readback_of(TileImages& tile) const;
 
  private:
   GpuImage make_image(vk::Format format, vk::Extent3D size) const;
@@ -123,13 +129,15 @@ class FrameImages {
   std::vector<TileImages> tiles_;
 };
 
+/// What the device counted of a tile's pixels.
+const gpu::PixelListHeader& counted(const TileImages& images);
+
 /// What came back of a tile; null what was not asked for.
 struct TilePixels {
   const glm::vec4* colors;
   const std::uint32_t* bytes;
   const glm::uvec4* surface;
   const std::uint32_t* regions;
-  gpu::PixelListHeader counted;
 };
 TilePixels pixels_of(const TileImages& images, const Tile& tile, const Outputs& outputs);
 

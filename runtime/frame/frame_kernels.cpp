@@ -14,7 +14,8 @@ namespace dmvv::runtime {
 namespace {
 
 bool runs_kernel(Step step) {
-  return step != Step::raster && step != Step::slice && step != Step::clear && step != Step::read_back;
+  return step != Step::raster && step != Step::slice && step != Step::clear && step != Step::report &&
+         step != Step::bring_home;
 }
 
 bool asks_verdicts(Step step) { return step == Step::classify || step == Step::paint || step == Step::count_hits; }
@@ -32,9 +33,9 @@ FrameKernels::FrameKernels(const Device::Impl& gpu, const SceneOnDevice& scene, 
       has_bitmaps_(scene.has_bitmaps()),
       io_layout_(make_set_layout(gpu, pixel_bindings)),
       verdict_layout_(std::move(verdicts)),
-      layout_(make_pipeline_layout(gpu, std::array{*scene.layout(), *io_layout_}, sizeof(gpu::PixelsParams))),
+      layout_(make_pipeline_layout(gpu, std::array{*scene.layout(), *io_layout_}, sizeof(gpu::StepParams))),
       layout_with_verdicts_(make_pipeline_layout(gpu, std::array{*scene.layout(), *io_layout_, *verdict_layout_},
-                                                 sizeof(gpu::PixelsParams))) {
+                                                 sizeof(gpu::StepParams))) {
   if (const auto* leaders = program.find_kernel(compiler::leaders_kernel.name))
     code_of_leaders_ = leaders->shaders.front().spirv;
   const auto* const pixels = program.find_kernel(compiler::pixels_kernel.name);
@@ -74,7 +75,8 @@ std::span<const std::uint32_t> FrameKernels::code_of(Step step, std::uint32_t st
     case Step::raster:
     case Step::slice:
     case Step::clear:
-    case Step::read_back:
+    case Step::report:
+    case Step::bring_home:
       break;
   }
   return {};

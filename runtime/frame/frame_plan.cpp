@@ -8,8 +8,8 @@
 namespace dmvv::runtime {
 namespace {
 
-constexpr std::array<const char*, resource_count> resource_names{"surface", "pixels",   "lists", "known",  "leaders",
-                                                                 "queues",  "verdicts", "hits",  "faults", "home"};
+constexpr std::array<const char*, resource_count> resource_names{
+    "surface", "pixels", "lists", "known", "leaders", "queues", "verdicts", "hits", "faults", "report", "home"};
 constexpr std::array<const char*, DMVV_LISTS_OF_PIXELS> list_names{"open", "left", "leaders", "proven"};
 
 /// Adds the steps that evaluate the pixels of a list.
@@ -30,7 +30,10 @@ void evaluate_list(std::uint32_t list, const std::vector<bool>& stages_go_on, st
 std::vector<PlannedStep> plan_tile(const FrameRequest& request, const KeptTile& kept) {
   const auto& [classifies, leads] = request.strategy;
   std::vector<PlannedStep> steps;
-  if (request.passes.keep_picture && kept.picture) return steps;
+  if (request.passes.keep_picture && kept.picture) {
+    if (request.brings_home && !kept.home) steps.push_back({Step::bring_home});
+    return steps;
+  }
   if (!(request.passes.keep_surface && kept.surface)) {
     steps.push_back({request.is_slice ? Step::slice : Step::raster});
   }
@@ -52,7 +55,8 @@ std::vector<PlannedStep> plan_tile(const FrameRequest& request, const KeptTile& 
     if (classifies) steps.push_back({Step::count_hits, open});
     if (classifies && leads) steps.push_back({Step::count_hits, DMVV_LEADERS_OF_TILES});
   }
-  steps.push_back({Step::read_back});
+  steps.push_back({Step::report});
+  if (request.brings_home) steps.push_back({Step::bring_home});
   return steps;
 }
 
@@ -114,9 +118,14 @@ const StepUse& use_of(Step step) {
       {"stage", {R::surface, R::lists}, {R::pixels, R::faults}, {R::queues}},
       {"distribute", {R::lists}, {}, {R::queues}},
       {"count hits", {R::lists, R::known, R::verdicts}, {R::hits}, {}},
-      {"read back", {R::surface, R::pixels, R::lists, R::faults}, {}, {R::home}},
+      {"report", {R::lists, R::faults}, {}, {R::report}},
+      {"bring home", {R::surface, R::pixels}, {}, {R::home}},
   }};
   return uses[static_cast<std::size_t>(step)];
+}
+
+bool is_evaluated(const TilePlan& tile) {
+  return std::ranges::find(tile.steps, Step::clear, &PlannedStep::step) != tile.steps.end();
 }
 
 bool is_kept(const FrameRequest& request) {
@@ -128,10 +137,8 @@ FramePlan plan_frame(const FrameRequest& request) {
   for (std::size_t i = 0; i < request.tiles.size(); ++i) {
     const KeptTile& kept = request.kept[i];
     TilePlan tile{request.tiles[i], false, plan_tile(request, kept)};
-    const bool draws =
-        !tile.steps.empty() && (tile.steps.front().step == Step::raster || tile.steps.front().step == Step::slice);
-    tile.keeps_still =
-        !tile.steps.empty() && !draws && request.strategy.classifies && request.passes.keep_still && kept.other_time;
+    const bool keeps_surface = !tile.steps.empty() && tile.steps.front().step == Step::clear;
+    tile.keeps_still = keeps_surface && request.strategy.classifies && request.passes.keep_still && kept.other_time;
     plan.tiles.push_back(std::move(tile));
   }
   return plan;
@@ -155,7 +162,7 @@ std::string to_text(const FramePlan& plan) {
                                  plan.strategy.leads ? ", leaders" : "");
   for (const TilePlan& tile : plan.tiles) {
     text += fmt::format("tile {} {}, {}x{}{}{}\n", tile.tile.corner_px.x, tile.tile.corner_px.y, tile.tile.size_px.x,
-                        tile.tile.size_px.y, tile.steps.empty() ? ", kept" : "",
+                        tile.tile.size_px.y, is_evaluated(tile) ? "" : ", kept",
                         tile.keeps_still ? ", what stands still is kept" : "");
     const std::vector<bool> waiting = waits(tile.steps);
     for (std::size_t i = 0; i < tile.steps.size(); ++i) {

@@ -24,9 +24,10 @@ enum class Resource : std::uint8_t {
   verdicts,  ///< trees of cells
   hits,      ///< how often cells left a pixel to be evaluated
   faults,    ///< pixels for which the device ran out of loop rounds
-  home,      ///< memory that the host reads
+  report,    ///< counts, in memory that the host reads
+  home,      ///< pixels there
 };
-inline constexpr std::size_t resource_count = 10;
+inline constexpr std::size_t resource_count = 11;
 
 enum class Step : std::uint8_t {
   raster,        ///< the support mesh
@@ -43,9 +44,10 @@ enum class Step : std::uint8_t {
   stage,         ///< pixels of a queue, by one stage's kernel
   distribute,    ///< pixels of a stage to the queues of later ones
   count_hits,    ///< cells that left pixels to be evaluated
-  read_back,     ///< what the host wants
+  report,        ///< how many pixels were evaluated, and for which the loop rounds did not suffice
+  bring_home,    ///< pixels that the host wants
 };
-inline constexpr std::size_t step_count = 15;
+inline constexpr std::size_t step_count = 16;
 
 /// How steps use a resource. Additions go to different places or are atomic: any number of steps may add without
 /// waiting.
@@ -67,8 +69,11 @@ struct PlannedStep {
 struct TilePlan {
   Tile tile;
   bool keeps_still = false;        ///< the images hold these pixels as of another time: those that stand still stay
-  std::vector<PlannedStep> steps;  ///< none: the images hold this tile already
+  std::vector<PlannedStep> steps;  ///< none: the tile is there already, where it is wanted
 };
+
+/// Whether any pixel of the tile is evaluated: what is kept may still be brought home.
+bool is_evaluated(const TilePlan& tile);
 
 struct FramePlan {
   glm::uvec2 size_px{0};
@@ -80,6 +85,7 @@ struct FramePlan {
 struct KeptTile {
   bool surface = false;     ///< the surface that is wanted
   bool picture = false;     ///< all that is wanted
+  bool home = false;        ///< and it was brought home
   bool other_time = false;  ///< all that is wanted, but for the time
 };
 
@@ -90,10 +96,11 @@ struct FrameRequest {
   bool is_slice = false;
   FramePasses passes;
   Strategy strategy;
+  bool brings_home = true;         ///< else the picture stays on the device
   std::vector<bool> stages_go_on;  ///< of each stage, whether pixels go on from it; empty: one kernel
 };
 
-/// Whether the images hold all of the frame already, so that nothing is left to do.
+/// Whether the images hold all of the frame already, so that there is nothing to evaluate.
 bool is_kept(const FrameRequest& request);
 
 /// The plan of a frame. Cost: linear in tiles and stages.

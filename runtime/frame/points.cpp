@@ -116,7 +116,7 @@ Result<std::vector<PointAnswer>> PointProbe::probe(std::span<const glm::dvec3> p
       answers.push_back(std::move(*answer));
     }
   }
-  if (timings != nullptr && gpu_.timer_bits != 0) timings->push_back({gpu_step, gpu_ms});
+  if (timings != nullptr && gpu_.queue.is_timed()) timings->push_back({gpu_step, gpu_ms});
   if (!unfinished.empty()) {
     return fail(
         Fault::input,

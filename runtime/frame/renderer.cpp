@@ -66,8 +66,8 @@ Result<Renderer::Job> Renderer::set_up(const View& view) {
   return job;
 }
 
-gpu::PixelsParams Renderer::params_of(const Job& job, const Tile& tile) const {
-  gpu::PixelsParams params = job.setup.pixels;
+gpu::FrameParams Renderer::params_of(const Job& job, const Tile& tile) const {
+  gpu::FrameParams params = job.setup.pixels;
   params.width = tile.size_px.x;
   params.height = tile.size_px.y;
   return params;
@@ -93,14 +93,17 @@ FrameRequest Renderer::request(const Job& job, const std::vector<Tile>& tiles) {
     KeptTile& kept = request.kept[i];
     kept.surface = held.drawn == surface_key(job, tiles[i]);
     kept.picture = kept.surface && held.shaded == shading;
+    kept.home = kept.picture && held.is_home;
     kept.other_time = kept.surface && held.shaded && only_time_differs(*held.shaded, shading);
   }
   return request;
 }
 
 /// The strategy is chosen for frames that evaluate something.
-FramePlan Renderer::plan_job(const Job& job, const std::vector<Tile>& tiles, StrategyChoice& strategies) {
+FramePlan Renderer::plan_job(const Job& job, const std::vector<Tile>& tiles, bool brings_home,
+                             StrategyChoice& strategies) {
   FrameRequest asked = request(job, tiles);
+  asked.brings_home = brings_home;
   if (!is_kept(asked)) {
     const bool is_time_provable = std::abs(scene_.now_ms()) <= compiler::longest_ms;
     asked.strategy = strategies.begin(job.passes, is_time_provable);
@@ -130,55 +133,93 @@ Result<void> Renderer::warm_up(const Job& job, Timings* timings) {
   const auto start = std::chrono::steady_clock::now();
   make_images(job);
   const std::vector<Tile> corner{{{0, 0}, glm::min(warm_up_px, job.setup.size_px)}};
-  const auto done = run(job, plan_job(job, corner, strategies_), [](std::size_t) {});
-  if (!done) return tl::unexpected(done.error());
+  constexpr bool brings_home = true;  // whatever pictures do
+  if (auto begun = begin(job, plan_job(job, corner, brings_home, strategies_), {}); !begun) return begun;
+  end();
   if (!has_kernels) strategies_.note_compilation(milliseconds_since(start));
   return {};
 }
 
-void Renderer::run_tile(const Job& job, const FramePlan& plan, std::size_t i, Done& done) {
-  const TilePlan& planned = plan.tiles[i];
-  TileImages& held = images_->of_tile(i);
-  const bool draws = draws_surface(planned);
-  if (!planned.steps.empty()) {
-    const ShadingKey shading{params_of(job, planned.tile), scene_.time_values()};
-    gpu::PixelsParams params = shading.params;
-    params.has_leaders = plan.strategy.leads;
-    params.lists_all = job.passes.pixel_list ? 0 : 1;
-    params.keeps_still = planned.keeps_still;
-    if (plan.strategy.classifies) verdicts_->fill(params);
-    if (draws) held.drawn.reset();  // a failure below must leave no name on what is half done
-    held.shaded.reset();
-    TileWork work{planned,      job.setup, job.passes, job.kind,
-                  params,       kernels_,  scene_,     plan.strategy.classifies ? &*verdicts_ : nullptr,
-                  *rasteriser_, *images_,  held};
-    done.device_ms += gpu_.run([&](const vk::raii::CommandBuffer& commands) { record_tile(commands, work); });
-    held.drawn = surface_key(job, planned.tile);
-    held.shaded = shading;
-    done.worked = true;
-    done.drew |= draws;
-    done.evaluated += evaluated_pixels(pixels_of(held, planned.tile, job.outputs).counted, plan.strategy.leads);
-  }
-  done.unfinished += pixels_of(held, planned.tile, job.outputs).counted.unfinished;
-  done.is_complete &= job.setup.slice.has_value() || rasteriser_->is_complete();
+Submission Renderer::submit(const FrameUnderWay& frame, const TilePlan& planned, const ShadingKey& shading,
+                            TileImages& held) {
+  const auto& [classifies, leads] = frame.plan.strategy;
+  gpu::FrameParams params = shading.params;
+  params.has_leaders = leads;
+  params.lists_all = frame.job.passes.pixel_list ? 0 : 1;
+  params.keeps_still = planned.keeps_still;
+  if (classifies) verdicts_->fill(params);
+  TileWork work{planned,
+                frame.job.setup,
+                frame.job.passes,
+                frame.job.kind,
+                params,
+                kernels_,
+                scene_,
+                classifies ? &*verdicts_ : nullptr,
+                *rasteriser_,
+                *images_,
+                held};
+  return gpu_.queue.submit([&](const vk::raii::CommandBuffer& commands) { record_tile(commands, work); });
 }
 
-Result<Renderer::Done> Renderer::run(const Job& job, const FramePlan& plan,
-                                     const std::function<void(std::size_t)>& take) {
-  if (auto made = kernels_.prepare(plan, job.kind); !made) return tl::unexpected(std::move(made.error()));
+void Renderer::begin_tile(FrameUnderWay& frame, std::size_t i) {
+  const TilePlan& planned = frame.plan.tiles[i];
+  // The host writes what a surface is drawn from, and tiles that share images overwrite each other.
+  if (draws_surface(planned) || !images_->keeps(frame.plan.tiles.size())) settle(frame);
+  TileImages& held = images_->of_tile(i);
+  TileUnderWay tile{
+      i, surface_key(frame.job, planned.tile), {params_of(frame.job, planned.tile), scene_.time_values()}, {}};
+  if (is_evaluated(planned)) {  // a failure must leave no name on what is half done
+    if (draws_surface(planned)) held.drawn.reset();
+    held.shaded.reset();
+    held.is_home = false;
+  }
+  if (!planned.steps.empty()) tile.work = submit(frame, planned, tile.shading, held);
+  frame.tiles.push_back(std::move(tile));
+}
+
+void Renderer::settle(FrameUnderWay& frame) {
+  Done& done = frame.done;
+  for (TileUnderWay& tile : frame.tiles) {
+    const TilePlan& planned = frame.plan.tiles[tile.number];
+    TileImages& held = images_->of_tile(tile.number);
+    done.device_ms += tile.work.wait();
+    if (is_evaluated(planned)) {
+      held.drawn = tile.surface;
+      held.shaded = std::move(tile.shading);
+      done.worked = true;
+      done.drew |= draws_surface(planned);
+      done.evaluated += evaluated_pixels(counted(held), frame.plan.strategy.leads);
+    }
+    held.is_home |= has_step(planned, Step::bring_home);
+    done.unfinished += counted(held).unfinished;
+    done.is_complete &= frame.job.setup.slice.has_value() || rasteriser_->is_complete();
+    if (frame.take) frame.take(tile.number);
+  }
+  frame.tiles.clear();
+}
+
+Result<void> Renderer::begin(const Job& job, FramePlan plan, Take take) {
+  if (auto made = kernels_.prepare(plan, job.kind); !made) return made;
   if (plan.strategy.classifies) {
     if (!verdicts_) verdicts_.emplace(gpu_, judge_, kernels_.verdict_layout());
     verdicts_->begin_frame(scene_.now_ms());
   }
-  Done done;
-  for (std::size_t i = 0; i < plan.tiles.size(); ++i) {
-    run_tile(job, plan, i, done);
-    take(i);
-  }
+  under_way_.emplace(FrameUnderWay{job, std::move(plan), std::move(take), {}, {}});
+  for (std::size_t i = 0; i < under_way_->plan.tiles.size(); ++i) begin_tile(*under_way_, i);
+  return {};
+}
+
+Renderer::Done Renderer::end() {
+  FrameUnderWay frame = std::move(*under_way_);
+  under_way_.reset();
+  settle(frame);
+  const Done& done = frame.done;
   if (!done.worked) return done;
+  const Strategy& strategy = frame.plan.strategy;
   const double splitting_ms =
-      plan.strategy.classifies ? verdicts_->end_frame(done.evaluated, done.device_ms, done.drew) : 0.0;
-  strategies_.end(plan.strategy, job.passes, done.device_ms, splitting_ms);
+      strategy.classifies ? verdicts_->end_frame(done.evaluated, done.device_ms, done.drew) : 0.0;
+  strategies_.end(strategy, frame.job.passes, done.device_ms, splitting_ms);
   return done;
 }
 
@@ -187,7 +228,34 @@ Result<FramePlan> Renderer::plan(const View& view) {
   if (!job) return tl::unexpected(job.error());
   make_images(*job);
   StrategyChoice unchanged = strategies_;  // asking changes nothing
-  return plan_job(*job, job->tiles, unchanged);
+  constexpr bool brings_home = true;
+  return plan_job(*job, job->tiles, brings_home, unchanged);
+}
+
+Result<void> Renderer::draw(const View& view, Timings* timings) {
+  const auto job = set_up(view);
+  if (!job) return tl::unexpected(job.error());
+  if (auto ready = warm_up(*job, timings); !ready) return ready;
+  const Stopwatch watch(timings, "frame");
+  constexpr bool brings_home = false;
+  return begin(*job, plan_job(*job, job->tiles, brings_home, strategies_), {});
+}
+
+Result<void> Renderer::finish(Timings* timings) {
+  if (!under_way_) return {};
+  const Done done = end();
+  strategies_.note_picture();
+  if (!done.is_complete) {
+    return fail(Fault::input, "large triangles of the support mesh lie over each other too often to be drawn",
+                {"render a smaller picture, or move the eye out of the mesh"});
+  }
+  if (done.unfinished != 0) {
+    return fail(Fault::input,
+                fmt::format("{} pixels needed more loop rounds than this device grants (65,535)", done.unfinished),
+                {"split the scene's longest lists of seeds or embedded objects, or use another device"});
+  }
+  if (timings != nullptr && gpu_.queue.is_timed()) timings->push_back({gpu_step, done.device_ms});
+  return {};
 }
 
 Result<Picture> Renderer::render(const View& view, Timings* timings) {
@@ -197,22 +265,14 @@ Result<Picture> Renderer::render(const View& view, Timings* timings) {
 
   const Stopwatch watch(timings, "frame");
   Picture picture = empty_picture(view);
-  const auto done = run(*job, plan_job(*job, job->tiles, strategies_), [&](std::size_t i) {
+  const auto take = [&](std::size_t i) {
     const Tile& tile = job->tiles[i];
     resolve_tile(pixels_of(images_->of_tile(i), tile, job->outputs), tile, job->setup, view.samples, picture);
-  });
-  if (!done) return tl::unexpected(done.error());
-  strategies_.note_picture();
-  if (!done->is_complete) {
-    return fail(Fault::input, "large triangles of the support mesh lie over each other too often to be drawn",
-                {"render a smaller picture, or move the eye out of the mesh"});
-  }
-  if (done->unfinished != 0) {
-    return fail(Fault::input,
-                fmt::format("{} pixels needed more loop rounds than this device grants (65,535)", done->unfinished),
-                {"split the scene's longest lists of seeds or embedded objects, or use another device"});
-  }
-  if (timings != nullptr && gpu_.timer_bits != 0) timings->push_back({gpu_step, done->device_ms});
+  };
+  constexpr bool brings_home = true;
+  if (auto begun = begin(*job, plan_job(*job, job->tiles, brings_home, strategies_), take); !begun)
+    return tl::unexpected(std::move(begun.error()));
+  if (auto done = finish(timings); !done) return tl::unexpected(std::move(done.error()));
   if (!view.slice && !view.cuts.empty()) picture.edges = rasteriser_->edges();
   return picture;
 }

@@ -20,6 +20,9 @@
 namespace dmvv::runtime {
 
 /// Draws views, and keeps of each frame what may serve the next one.
+///
+/// A frame is begun and ended. In between the device works on it, and the host may do other things; whatever the host
+/// writes for the device (the time's values, proofs, a mesh) waits for its end.
 class Renderer {
  public:
   /// `prepared` may hold a rasteriser that was made while the program was compiled.
@@ -27,7 +30,11 @@ class Renderer {
   Renderer(const Device::Impl& gpu, SceneOnDevice& scene, const compiler::Program& program,
            std::shared_ptr<const compiler::Judge> judge, std::unique_ptr<Rasteriser> prepared);
 
-  /// As Evaluator::render. The scene's time is set.
+  /// As Evaluator::draw. The scene's time is set, and no frame is under way.
+  Result<void> draw(const View& view, Timings* timings);
+  /// As Evaluator::finish.
+  Result<void> finish(Timings* timings);
+  /// As Evaluator::render. The scene's time is set, and no frame is under way.
   Result<Picture> render(const View& view, Timings* timings);
   /// What `render` would do for the view now.
   Result<FramePlan> plan(const View& view);
@@ -47,19 +54,40 @@ class Renderer {
     double device_ms = 0.0;
     std::uint32_t evaluated = 0, unfinished = 0;
     bool drew = false;        ///< a surface
-    bool worked = false;      ///< anything at all
+    bool worked = false;      ///< evaluated anything
     bool is_complete = true;  ///< all of the mesh has been drawn
+  };
+  /// Called with the number of each tile once its pixels are home: the next tile may overwrite them.
+  using Take = std::function<void(std::size_t)>;
+  /// A tile that the device works on.
+  struct TileUnderWay {
+    std::size_t number;
+    SurfaceKey surface;
+    ShadingKey shading;
+    Submission work;  ///< empty if there was nothing to do
+  };
+  /// A frame that was begun.
+  struct FrameUnderWay {
+    Job job;
+    FramePlan plan;
+    Take take;
+    Done done;
+    std::vector<TileUnderWay> tiles;
   };
 
   Result<Job> set_up(const View& view);
   Result<void> warm_up(const Job& job, Timings* timings);
   void make_images(const Job& job);
   FrameRequest request(const Job& job, const std::vector<Tile>& tiles);
-  FramePlan plan_job(const Job& job, const std::vector<Tile>& tiles, StrategyChoice& strategies);
-  /// Calls `take` with the number of each tile once its pixels are there: the next tile may overwrite them.
-  Result<Done> run(const Job& job, const FramePlan& plan, const std::function<void(std::size_t)>& take);
-  void run_tile(const Job& job, const FramePlan& plan, std::size_t i, Done& done);
-  gpu::PixelsParams params_of(const Job& job, const Tile& tile) const;
+  FramePlan plan_job(const Job& job, const std::vector<Tile>& tiles, bool brings_home, StrategyChoice& strategies);
+  Result<void> begin(const Job& job, FramePlan plan, Take take);
+  void begin_tile(FrameUnderWay& frame, std::size_t i);
+  Submission submit(const FrameUnderWay& frame, const TilePlan& planned, const ShadingKey& shading, TileImages& held);
+  /// Waits for the tiles under way.
+  void settle(FrameUnderWay& frame);
+  /// Waits for the frame, and learns from it.
+  Done end();
+  gpu::FrameParams params_of(const Job& job, const Tile& tile) const;
   SurfaceKey surface_key(const Job& job, const Tile& tile) const;
 
   const Device::Impl& gpu_;
@@ -70,6 +98,7 @@ class Renderer {
   std::optional<FrameImages> images_;
   std::optional<Verdicts> verdicts_;  ///< made before the second frame: one picture alone does without
   StrategyChoice strategies_;
+  std::optional<FrameUnderWay> under_way_;  ///< goes before what it works on
 };
 
 }  // namespace dmvv::runtime

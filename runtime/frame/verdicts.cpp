@@ -56,7 +56,7 @@ void Verdicts::begin_frame(double time_ms) {
   budget_.note_time(time_ms);
 }
 
-void Verdicts::fill(gpu::PixelsParams& params) const {
+void Verdicts::fill(gpu::FrameParams& params) const {
   params.hits_to_split = budget_.hits_to_split();
   params.first_span_word = span_.tree ? most_words : 0;
   params.first_span_outcome = most_outcomes;

@@ -34,7 +34,7 @@ class Verdicts {
   /// Call before a frame's first tile is submitted, with the frame's time.
   void begin_frame(double time_ms);
   /// Tells `classify` what it needs to know.
-  void fill(gpu::PixelsParams& params) const;
+  void fill(gpu::FrameParams& params) const;
   /// Call when the device is done with all tiles in `ms`, in which it evaluated so many pixels and `drew` a surface or
   /// not. Splits busy cells for a quarter of that time, at most; returns what that took, in milliseconds.
   double end_frame(std::uint32_t evaluated, double ms, bool drew);

@@ -258,14 +258,8 @@ void open_queue(Device::Impl& impl) {
   impl.device = vk::raii::Device(
       impl.physical,
       {.pNext = &newer, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue, .pEnabledFeatures = &features});
-  impl.queue = impl.device.getQueue(family, 0);
-  impl.pool =
-      impl.device.createCommandPool({.flags = vk::CommandPoolCreateFlagBits::eTransient, .queueFamilyIndex = family});
+  impl.queue = Queue(impl.physical, impl.device, family);
   impl.limits = impl.physical.getProperties().limits;
-  impl.timer_bits = impl.physical.getQueueFamilyProperties()[family].timestampValidBits;
-  if (impl.timer_bits != 0) {
-    impl.timer = impl.device.createQueryPool({.queryType = vk::QueryType::eTimestamp, .queryCount = 2});
-  }
 }
 
 Result<Device> open_device(const DeviceOptions& options, bool has_extras = true) {
@@ -346,34 +340,6 @@ vk::raii::ShaderModule Device::Impl::make_shader(const std::uint32_t* words, std
     count = rewritten.size();
   }
   return device.createShaderModule({.codeSize = 4 * count, .pCode = words});
-}
-
-double Device::Impl::run(const std::function<void(const vk::raii::CommandBuffer&)>& record) const {
-  const auto buffers = device.allocateCommandBuffers(
-      {.commandPool = *pool, .level = vk::CommandBufferLevel::ePrimary, .commandBufferCount = 1});
-  const vk::raii::CommandBuffer& commands = buffers.front();
-  commands.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
-  if (timer_bits != 0) {
-    commands.resetQueryPool(*timer, 0, 2);
-    commands.writeTimestamp(vk::PipelineStageFlagBits::eTopOfPipe, *timer, 0);
-    // Lavapipe keeps a stamp back until something makes it finish its drawing: a dispatch alone does not.
-    constexpr auto everything = vk::PipelineStageFlagBits::eAllCommands;
-    commands.pipelineBarrier(everything, everything, {}, nullptr, nullptr, nullptr);
-  }
-  record(commands);
-  if (timer_bits != 0) commands.writeTimestamp(vk::PipelineStageFlagBits::eBottomOfPipe, *timer, 1);
-  commands.end();
-  const vk::raii::Fence done(device, vk::FenceCreateInfo{});
-  const vk::CommandBuffer handle = *commands;
-  queue.submit(vk::SubmitInfo{.commandBufferCount = 1, .pCommandBuffers = &handle}, *done);
-  const vk::Result waited = device.waitForFences(*done, VK_TRUE, UINT64_MAX);
-  if (waited != vk::Result::eSuccess) throw vk::SystemError(vk::make_error_code(waited), "vkWaitForFences");
-  if (timer_bits == 0) return 0.0;
-  const auto [read, stamps] = timer.getResults<std::uint64_t>(0, 2, 2 * sizeof(std::uint64_t), sizeof(std::uint64_t),
-                                                              vk::QueryResultFlagBits::e64);
-  if (read != vk::Result::eSuccess) return 0.0;
-  const std::uint64_t ticks = (stamps[1] - stamps[0]) & (~std::uint64_t{0} >> (64 - timer_bits));  // they wrap around
-  return 1e-6 * static_cast<double>(limits.timestampPeriod) * static_cast<double>(ticks);
 }
 
 vk::ImageMemoryBarrier color_barrier(vk::Image image, vk::ImageLayout from, vk::ImageLayout to, vk::AccessFlags before,

@@ -14,6 +14,7 @@
 #include <vulkan/vulkan_raii.hpp>
 
 #include "runtime/gpu/device.h"
+#include "runtime/gpu/queue.h"
 
 namespace dmvv::runtime {
 
@@ -62,10 +63,7 @@ struct Device::Impl {
   vk::raii::DebugUtilsMessengerEXT messenger{nullptr};
   vk::raii::PhysicalDevice physical{nullptr};
   vk::raii::Device device{nullptr};
-  vk::raii::Queue queue{nullptr};
-  vk::raii::CommandPool pool{nullptr};
-  vk::raii::QueryPool timer{nullptr};  ///< two time stamps; null if the queue has none
-  std::uint32_t timer_bits = 0;        ///< of a time stamp that count
+  Queue queue;
   vk::PhysicalDeviceLimits limits;
   DeviceExtras extras;
   DeviceInfo info;
@@ -77,7 +75,9 @@ struct Device::Impl {
   vk::raii::ShaderModule make_shader(const std::uint32_t* words, std::size_t count) const;
   /// Records commands, submits them and waits until they are done. Returns the milliseconds they took by the device's
   /// own time stamps; 0 if it has none.
-  double run(const std::function<void(const vk::raii::CommandBuffer&)>& record) const;
+  double run(const std::function<void(const vk::raii::CommandBuffer&)>& record) const {
+    return queue.submit(record).wait();
+  }
 
  private:
   vk::raii::DeviceMemory allocate(const vk::MemoryRequirements& needs, MemoryUse use) const;

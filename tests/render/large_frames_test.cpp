@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <thread>
 
 #include "runtime/runtime.h"
 #include "tests/render/render_scenes.h"
@@ -98,4 +100,63 @@ TEST_CASE("while only the time changes, no tile draws its surface, and what stan
     CHECK(got->regions == expected->regions);
     CHECK(got->rgba8 == expected->rgba8);
   }
+}
+
+TEST_CASE("a picture stays on the device until somebody wants it, and is what it would have been") {
+  compiler::CompileOptions options;
+  options.many_frames = true;
+  const auto [program, judge] = tests::judged(tests::lowered(beating_text), options);
+  auto evaluator = runtime::Evaluator::create(device(), program, nullptr, {}, judge).value();
+  auto anew = runtime::Evaluator::create(device(), program).value();
+  for (const Size& size : {Size{{640, 360}, 1}, Size{{2560, 1440}, 1}}) {
+    CAPTURE(size.px.x);
+    runtime::View view = view_of(size);
+    for (int frame = 0; frame < 6; ++frame) {  // each begins while the one before is under way
+      view.time_ms = 40.0 * frame;
+      REQUIRE(evaluator.draw(view));
+    }
+    runtime::Timings timings;
+    REQUIRE(evaluator.finish(&timings));
+    CHECK(gpu_ms(timings) > 0.0);
+    const std::string plan = evaluator.plan(view).value();
+    CHECK(count_of(plan, "bring home") == count_of(plan, "\ntile "));  // that alone is left to do
+    CHECK(count_of(plan, ", kept") == count_of(plan, "\ntile "));
+    CHECK(count_of(plan, "report") == 0);
+    const auto got = evaluator.render(view);
+    const auto expected = anew.render(view);
+    REQUIRE(got);
+    REQUIRE(expected);
+    CHECK(got->regions == expected->regions);
+    CHECK(got->rgba8 == expected->rgba8);
+    CHECK(count_of(evaluator.plan(view).value(), "bring home") == 0);  // it is home now
+  }
+  const auto messages = device().validation_messages();
+  CHECK_MESSAGE(messages.empty(), messages.front());
+}
+
+TEST_CASE("while frames are drawn, another thread makes the next scene ready on the same device") {
+  const compiler::Program program = tests::compiled(tests::lowered(beating_text), {});
+  auto evaluator = runtime::Evaluator::create(device(), program).value();
+  runtime::View view = view_of({{320, 180}, 1});
+  const auto expected = evaluator.render(view);
+  REQUIRE(expected);
+  std::atomic<bool> stop = false;
+  std::thread next([&] {
+    while (!stop) {
+      auto other = runtime::Evaluator::create(device(), program).value();
+      const auto picture = other.render(view);
+      if (!picture || picture->rgba8 != expected->rgba8) stop = true;
+    }
+  });
+  int drawn = 0;
+  for (; drawn < 60 && !stop; ++drawn) {
+    view.time_ms = 10.0 * (drawn % 7);
+    if (!evaluator.draw(view)) break;
+  }
+  const bool went_on = !stop.exchange(true);
+  next.join();
+  CHECK(drawn == 60);
+  CHECK(went_on);
+  const auto messages = device().validation_messages();
+  CHECK_MESSAGE(messages.empty(), messages.front());
 }

@@ -42,8 +42,8 @@ void check_golden(const std::string& name, const FramePlan& plan) {
 TEST_CASE("one picture: the mesh, the pixels that show it, their answers") {
   const FramePlan plan = plan_frame(request_of({}));
   REQUIRE(plan.tiles.size() == 1);
-  CHECK(steps_of(plan.tiles[0]) ==
-        std::vector{Step::raster, Step::clear, Step::list, Step::count_lists, Step::evaluate, Step::read_back});
+  CHECK(steps_of(plan.tiles[0]) == std::vector{Step::raster, Step::clear, Step::list, Step::count_lists, Step::evaluate,
+                                               Step::report, Step::bring_home});
   CHECK(plan.tiles[0].steps[4].list == DMVV_TO_EVALUATE);
 }
 
@@ -51,7 +51,7 @@ TEST_CASE("with leaders, what they do not answer for is evaluated; with verdicts
   const FramePlan plan = plan_frame(request_of({.classifies = true, .leads = true}));
   CHECK(steps_of(plan.tiles[0]) == std::vector{Step::raster, Step::clear, Step::classify, Step::count_lists,
                                                Step::paint, Step::lead, Step::follow, Step::count_lists, Step::evaluate,
-                                               Step::count_hits, Step::count_hits, Step::read_back});
+                                               Step::count_hits, Step::count_hits, Step::report, Step::bring_home});
   CHECK(plan.tiles[0].steps[8].list == DMVV_LEFT);
 }
 
@@ -59,7 +59,7 @@ TEST_CASE("stages follow each other; pixels go on only from those that say so") 
   const FramePlan plan = plan_frame(request_of({}, {true, false}));
   CHECK(steps_of(plan.tiles[0]) == std::vector{Step::raster, Step::clear, Step::list, Step::count_lists,
                                                Step::count_stages, Step::stage, Step::distribute, Step::count_stages,
-                                               Step::stage, Step::read_back});
+                                               Step::stage, Step::report, Step::bring_home});
 }
 
 TEST_CASE("a slice has no mesh; without lists all pixels are evaluated") {
@@ -67,14 +67,24 @@ TEST_CASE("a slice has no mesh; without lists all pixels are evaluated") {
   request.is_slice = true;
   request.passes.pixel_list = false;
   const FramePlan plan = plan_frame(request);
-  CHECK(steps_of(plan.tiles[0]) == std::vector{Step::slice, Step::clear, Step::evaluate, Step::read_back});
+  CHECK(steps_of(plan.tiles[0]) ==
+        std::vector{Step::slice, Step::clear, Step::evaluate, Step::report, Step::bring_home});
   CHECK(plan.tiles[0].steps[2].list == no_list);
 }
 
 TEST_CASE("what the images hold is not done again, tile by tile") {
   FrameRequest request = request_of({});
   request.tiles = {{{0, 0}, {1920, 540}}, {{0, 540}, {1920, 540}}};
-  request.kept = {{.surface = true, .picture = true}, {.surface = true}};
+  request.kept = {{.surface = true, .picture = true, .home = true}, {.surface = true}};
+  SUBCASE("on the device alone: it is brought home, if it is wanted there") {
+    request.kept[0].home = false;
+    CHECK(steps_of(plan_frame(request).tiles[0]) == std::vector{Step::bring_home});
+    CHECK_FALSE(is_evaluated(plan_frame(request).tiles[0]));
+    request.brings_home = false;
+    CHECK(plan_frame(request).tiles[0].steps.empty());
+    CHECK(steps_of(plan_frame(request).tiles[1]).back() == Step::report);
+    CHECK(is_evaluated(plan_frame(request).tiles[1]));
+  }
   SUBCASE("kept") {
     const FramePlan plan = plan_frame(request);
     CHECK(plan.tiles[0].steps.empty());
@@ -114,7 +124,8 @@ TEST_CASE("steps wait for what they need and for nothing else") {
       true,   // evaluate
       false,  // count hits: reads lists only
       false,  // count hits
-      true,   // read back
+      true,   // report reads what evaluate counts
+      false,  // bring home: what it reads was written before that
   };
   CHECK(waiting == expected);
 }
