@@ -8,7 +8,7 @@ set(DMVV_PUBLIC_HEADERS
   compiler/ir/module.h compiler/glsl/kernel.h compiler/grids/sample.h compiler/grids/storage.h compiler/ir/legend.h compiler/layout/scene_buffers.def compiler/layout/scene_buffers.h compiler/layout/resources.h
   compiler/ir/placements.h compiler/layout/atlas.h compiler/layout/flatten.h compiler/layout/lookup.h compiler/program_file.h compiler/snippet/ops.def compiler/snippet/program.h compiler/snippet/time_slot.h
   compiler/passes/seed_chains.h compiler/plan/codegen.h compiler/program.h compiler/reference/reference.h compiler/snippet/snippet.h compiler/plan/stage_options.h compiler/layout/tape_options.h
-  runtime/gpu/disk_cache.h runtime/runtime.h runtime/gpu/device.h runtime/surface/prepared_surface.h runtime/view/frame_passes.h runtime/view/picture.h runtime/view/view.h
+  runtime/gpu/disk_cache.h runtime/runtime.h runtime/gpu/device.h runtime/surface/prepared_surface.h runtime/view/frame_passes.def runtime/view/frame_passes.h runtime/view/picture.h runtime/view/view.h
   session/device_profile.h session/session.h session/timeline.h
   shaders/records.h
   base/diagnostic_codes.def base/diagnostics.h base/files.h voml/format.h voml/assets/grid.h base/id.h voml/assets/mesh.h base/result.h voml/scene.h)

@@ -198,7 +198,7 @@ struct AskedSdf {
 
 struct Arrival;
 
-struct AskedCandidate {
+struct CandidateInquiry {
   std::uint32_t index;  ///< in the group
   const Frame* frame;   ///< of the local points; if tiled, before they are wrapped
   Held held;            ///< tiled: inside, or partly where the box meets a seam
@@ -206,11 +206,11 @@ struct AskedCandidate {
 };
 
 /// A group over a box: what may hold a point of it.
-struct AskedGroup {
+struct GroupInquiry {
   const CandidateGroup* group;
   Held held;      ///< by the group's own box
   bool too_many;  ///< then there are no candidates, and nothing is known
-  std::vector<AskedCandidate> candidates;
+  std::vector<CandidateInquiry> candidates;
 };
 
 /// An object that some point of the box may come to, by one way.
@@ -219,7 +219,7 @@ struct Arrival {
   Spot spot;
   Arrival* wider;  ///< of the same object, by the same way, over the wider box; null if there is none
   std::vector<AskedSdf> sdfs = {};
-  std::vector<AskedGroup> groups = {};
+  std::vector<GroupInquiry> groups = {};
 };
 
 }  // namespace
@@ -330,18 +330,18 @@ struct Inquiry::Impl {
 
   // ---- groups ----
 
-  AskedGroup& ask(const CandidateGroup& group, const gpu::GroupRecord& record, Arrival& arrival) {
-    const auto known = std::ranges::find(arrival.groups, &group, &AskedGroup::group);
+  GroupInquiry& ask(const CandidateGroup& group, const gpu::GroupRecord& record, Arrival& arrival) {
+    const auto known = std::ranges::find(arrival.groups, &group, &GroupInquiry::group);
     if (known != arrival.groups.end()) return *known;
-    AskedGroup* before = arrival.wider != nullptr ? &wider->ask(group, record, *arrival.wider) : nullptr;
-    AskedGroup asked{&group, Held::inside, false, {}};
+    GroupInquiry* before = arrival.wider != nullptr ? &wider->ask(group, record, *arrival.wider) : nullptr;
+    GroupInquiry asked{&group, Held::inside, false, {}};
     const Frame in_frame =
         group.box_from_object ? enter(*group.box_from_object, *arrival.frame, arrival.spot) : *arrival.frame;
     const Spot in_box = group.box_from_object ? spot_in(in_frame, box) : arrival.spot;
     if (group.box_from_object) asked.held = held_by_cube(in_box);
     if (asked.held == Held::outside) return arrival.groups.emplace_back(std::move(asked));
     if (before != nullptr && !before->too_many) {
-      for (AskedCandidate& candidate : before->candidates) {
+      for (CandidateInquiry& candidate : before->candidates) {
         const bool is_tiled = group.candidates[candidate.index].tiled;  // perhaps not wrapped there
         ask_candidate(candidate.index, *candidate.frame, is_tiled ? nullptr : candidate.arrival.get(), asked);
       }
@@ -356,9 +356,9 @@ struct Inquiry::Impl {
     return arrival.groups.emplace_back(std::move(asked));
   }
 
-  void ask_candidate(std::uint32_t index, const Frame& frame, Arrival* before, AskedGroup& asked) {
+  void ask_candidate(std::uint32_t index, const Frame& frame, Arrival* before, GroupInquiry& asked) {
     count_test();
-    AskedCandidate candidate{index, &frame, Held::inside, std::make_unique<Arrival>()};
+    CandidateInquiry candidate{index, &frame, Held::inside, std::make_unique<Arrival>()};
     Arrival& arrival = *candidate.arrival;
     arrival.frame = &frame;
     arrival.spot = spot_in(frame, box);
@@ -409,7 +409,7 @@ struct Inquiry::Impl {
   }
 
   Answers answer(const CandidateGroup& group, const gpu::GroupRecord& record, Arrival& arrival) {
-    AskedGroup& asked = ask(group, record, arrival);
+    GroupInquiry& asked = ask(group, record, arrival);
     if (asked.held == Held::outside) return Answers::never;
     given_up = given_up || asked.too_many;
     bool any = false;
@@ -421,7 +421,7 @@ struct Inquiry::Impl {
     return any ? Answers::sometimes : Answers::never;
   }
 
-  Answers answer(const Candidate& candidate, AskedCandidate& asked) {
+  Answers answer(const Candidate& candidate, CandidateInquiry& asked) {
     if (candidate.tiled && asked.held == Held::partly) {
       given_up = true;
       return Answers::sometimes;

@@ -1,20 +1,6 @@
 #include "runtime/frame/strategy.h"
 
-#include <algorithm>
-
 namespace dmvv::runtime {
-
-FramePasses FramePasses::without(std::span<const std::string> disabled) {
-  const auto on = [&](std::string_view pass) { return std::ranges::find(disabled, pass) == disabled.end(); };
-  return {.pixel_list = on("pixel-list"),
-          .clusters = on("clusters"),
-          .keep_surface = on("keep-surface"),
-          .keep_picture = on("keep-picture"),
-          .verdicts = on("verdicts"),
-          .trials = on("trials"),
-          .reach = on("reach"),
-          .keep_still = on("keep-still")};
-}
 
 Strategy StrategyChoice::begin(const FramePasses& passes, bool is_time_provable) {
   const bool may_skip = passes.pixel_list && has_drawn_ && is_time_provable;

@@ -3,29 +3,11 @@
 
 #include <array>
 #include <cstddef>
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "runtime/frame/autotuner.h"
+#include "runtime/view/frame_passes.h"
 
 namespace dmvv::runtime {
-
-/// The passes of a frame (frame_passes.h) that are on.
-struct FramePasses {
-  bool pixel_list = true;
-  bool clusters = true;
-  bool keep_surface = true;
-  bool keep_picture = true;
-  bool verdicts = true;
-  bool trials = true;
-  bool reach = true;
-  bool keep_still = true;
-
-  static FramePasses without(std::span<const std::string> disabled);
-  friend bool operator==(const FramePasses&, const FramePasses&) = default;
-};
 
 struct Strategy {
   bool classifies = false;  ///< pixels in cells with a proven answer are painted

@@ -1,4 +1,6 @@
 // Opens a Vulkan device: instance, validation, choice of the device, queue; and makes its buffers and images.
+#include "runtime/gpu/device.h"
+
 #include <fmt/ranges.h>
 
 #include <algorithm>

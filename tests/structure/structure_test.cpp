@@ -133,6 +133,17 @@ TEST_CASE("includes follow the table") {
   }
 }
 
+TEST_CASE("a source includes its own header first, so that every header stands alone") {
+  for (const std::string& file : sources(rooms_of_the_project())) {
+    fs::path header = fs::path(file).replace_extension(".h");
+    if (!file.ends_with(".cpp") || !fs::exists(source_folder / header)) continue;
+    std::ifstream text(source_folder / file);
+    const std::vector<Include> includes = includes_of(text);
+    REQUIRE_MESSAGE(!includes.empty(), file);
+    CHECK_MESSAGE(includes.front().header == '"' + header.generic_string() + '"', file);
+  }
+}
+
 TEST_CASE("the check itself finds what is wrong") {
   std::istringstream table("low:\nhigh: low\n<library/: low\n");
   const Rooms rooms = read_rooms(table);
