@@ -64,7 +64,7 @@ std::optional<JoinedTables> join_tables(const PlacementTable& placements, const 
                                         const std::string& beads_path, double radius, Diagnostics& diagnostics);
 
 /// The median distance from a point to its nearest neighbour; at least two points, none of them twice unless all are.
-/// Of more than 2,000 points, every so many-th is asked. Cost: n log n.
+/// Asks every so many-th point where there are more than 2,000. Cost: n log n.
 double median_spacing(std::span<const glm::dvec3> points);
 
 /// The frame in which all beads of an ingredient fill the cube up to 5 %; and one for all copies.

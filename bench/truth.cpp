@@ -6,6 +6,7 @@
 #include <sstream>
 #include <thread>
 
+#include "base/limits.h"
 #include "bench/random.h"
 
 namespace dmvv::bench {
@@ -19,7 +20,7 @@ Error input_error(const std::string& path, const Diagnostics& diagnostics) {
 
 Result<voml::Mesh> read_mesh(const SceneSource& source) {
   if (source.mesh_path.empty()) return voml::standard_cube();
-  const auto bytes = disk_files()(source.mesh_path, std::uint64_t{4} << 30);
+  const auto bytes = disk_files()(source.mesh_path, max_file_bytes);
   if (!bytes) return tl::unexpected(bytes.error());
   Diagnostics diagnostics;
   auto mesh = voml::parse_mesh(source.mesh_path, *bytes, diagnostics);

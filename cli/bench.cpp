@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "base/limits.h"
 #include "bench/gnuplot.h"
 #include "bench/stress.h"
 #include "cli/commands.h"
@@ -184,7 +185,7 @@ int bench_command(const BenchOptions& options, Context& context) {
     gnuplot = must(bench::find_gnuplot());
     make_folder(options.plots);
   }
-  for (const bench::SceneSource& scene : plan_of.scenes) must(disk_files()(scene.path, std::uint64_t{4} << 30));
+  for (const bench::SceneSource& scene : plan_of.scenes) must(disk_files()(scene.path, max_file_bytes));
   const bench::Plan plan = bench::make_plan(plan_of);
 
   // The driver's cache begins empty: a pipeline that an earlier run compiled would cost nothing.
@@ -266,28 +267,16 @@ void add_bench(CLI::App& app, Invocation& invocation) {
       .add_option("--examples", options->examples,
                   "Folder of the built examples; default: build/examples of this program")
       ->type_name("DIR");
-  command.add_option("--mesh", options->view.mesh, "Support mesh of the scenes given; default: the standard cube")
-      ->type_name("FILE");
-  command.add_option("--cut", options->view.cuts, "\"NX NY NZ D\" takes away n.x > D of the scenes given (repeatable)")
-      ->type_name("PLANE")
-      ->allow_extra_args(false);
-  command.add_option("--camera", options->view.camera, "\"eye X Y Z look X Y Z fov DEGREES\" of the scenes given")
-      ->type_name("TEXT");
-  command.add_option("--size", options->view.size, "Timed frames of the scenes given; default 640x360")
-      ->type_name("WxH");
+  add_seen_options(command, options->view);
   add_time_option(command, options->time_ms);
-  command
-      .add_option("--device", options->device.name,
-                  "Vulkan device whose name holds NAME (any case); default: the best one")
-      ->type_name("NAME");
-  command.add_flag("--validation", options->device.validation,
-                   "Switch the Khronos validation layer on; its messages make the exit code 2");
+  add_drawing_device(command, options->device);
   command.add_flag("--driver-cache", options->driver_cache, "Let the driver's shader cache speed pipelines up");
   add_common_options(command, invocation.context);
   command.footer(
       "Examples:  dmvv bench --json bench.json --plots plots\n"
       "           dmvv bench --quick --set thesis\n"
       "           dmvv bench scene.voml --mesh body.ply --cut \"0 0 1 0\" --json scene.json\n"
+      "--size, --camera, --mesh, --cut and --time are those of the scenes given; frames are 640x360 if not said.\n"
       "How to read what it prints: bench/README.md.");
   command.callback([&invocation, options] {
     invocation.command = [options](Context& context) { return bench_command(*options, context); };

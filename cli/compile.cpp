@@ -188,9 +188,7 @@ void add_compile(CLI::App& app, Invocation& invocation) {
   command.add_flag("--many-frames", options->many_frames,
                    "With the kernels that pay for many frames, as animate compiles a scene");
   add_codegen_options(command, options->codegen);
-  command
-      .add_option("--device", options->device.name, "Compile for the limits of the Vulkan device whose name holds NAME")
-      ->type_name("NAME");
+  add_device_name(command, options->device, "Compile for the limits of the Vulkan device whose name holds NAME");
   add_common_options(command, invocation.context);
   command.footer("Example:  dmvv compile orange.voml -o dump --dump glsl,stats --codegen table");
   command.callback([&invocation, options] {

@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/limits.h"
 #include "cli/driver_cache.h"
 
 namespace dmvv::cli {
 namespace {
-
-constexpr std::uint64_t max_file_bytes = std::uint64_t{4} << 30;
 
 template <class T>
 using Word = std::pair<std::string_view, T>;
@@ -55,11 +54,18 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   add_root_and_strict(command, options);
 }
 
-void add_device_options(CLI::App& command, DeviceChoice& choice) {
-  command.add_option("--device", choice.name, "Vulkan device whose name holds NAME (any case); default: the best one")
-      ->type_name("NAME");
+void add_device_name(CLI::App& command, DeviceChoice& choice, const char* use) {
+  command.add_option("--device", choice.name, use)->type_name("NAME");
+}
+
+void add_drawing_device(CLI::App& command, DeviceChoice& choice) {
+  add_device_name(command, choice, "Vulkan device whose name holds NAME (any case); default: the best one");
   command.add_flag("--validation", choice.validation,
                    "Switch the Khronos validation layer on; its messages make the exit code 2");
+}
+
+void add_device_options(CLI::App& command, DeviceChoice& choice) {
+  add_drawing_device(command, choice);
   command.add_flag("--no-cache", choice.no_cache,
                    "Compile everything anew: use neither the cache of compiled code nor the driver's");
 }

@@ -41,7 +41,11 @@ void add_common_options(CLI::App& command, Context& context);
 /// SCENE, --root, --strict.
 void add_scene_options(CLI::App& command, SceneOptions& options);
 void add_root_and_strict(CLI::App& command, SceneOptions& options);
-/// --device, --validation, --no-cache.
+/// --device; `use` says what for.
+void add_device_name(CLI::App& command, DeviceChoice& choice, const char* use);
+/// --device and --validation, to draw on.
+void add_drawing_device(CLI::App& command, DeviceChoice& choice);
+/// Those, and --no-cache.
 void add_device_options(CLI::App& command, DeviceChoice& choice);
 /// --codegen, --atlas, --filter, --disable.
 void add_codegen_options(CLI::App& command, CodegenChoice& choice);

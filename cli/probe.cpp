@@ -2,16 +2,23 @@
 #include <fmt/format.h>
 
 #include <CLI/App.hpp>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 #include <iostream>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <sstream>
 
 #include "cli/commands.h"
 #include "cli/explain.h"
 #include "cli/options.h"
 #include "compiler/ir/legend.h"
+#include "compiler/rays/ray_reference.h"
 #include "compiler/reference/reference.h"
 #include "voml/assets/grid.h"
 
@@ -25,6 +32,8 @@ struct ProbeOptions {
   double time_ms = 0;
   std::string points_file;
   std::vector<std::string> points;
+  std::vector<std::string> rays;
+  std::vector<std::string> cuts;
   std::string backend = "reference";
   bool json = false;
   bool explain = false;
@@ -42,8 +51,8 @@ std::vector<glm::dvec3> parse_points(const std::string& name, std::string text, 
 /// The points of --points, then those of --point.
 std::vector<glm::dvec3> read_points(const ProbeOptions& options, Context& context) {
   std::vector<glm::dvec3> points;
-  if (options.points_file.empty() && options.points.empty()) {
-    fail_usage("no points given", {"use --points FILE, --points - or --point \"X Y Z\""});
+  if (options.points_file.empty() && options.points.empty() && options.rays.empty()) {
+    fail_usage("no points given", {"use --points FILE, --points -, --point \"X Y Z\" or --ray \"OX OY OZ DX DY DZ\""});
   }
   if (options.points_file == "-") {
     points = parse_points("<stdin>", std::string(std::istreambuf_iterator<char>(std::cin), {}), exit_input, context);
@@ -56,6 +65,33 @@ std::vector<glm::dvec3> read_points(const ProbeOptions& options, Context& contex
     points.push_back(one.front());
   }
   return points;
+}
+
+/// The rays of --ray: an origin and a direction each.
+std::vector<compiler::Ray> read_rays(const ProbeOptions& options) {
+  std::vector<compiler::Ray> rays;
+  for (const std::string& text : options.rays) {
+    std::istringstream words(text);
+    const std::vector<double> n{std::istream_iterator<double>(words), {}};
+    const bool is_whole =
+        words.eof() && n.size() == 6 && std::ranges::all_of(n, [](double x) { return std::isfinite(x); });
+    if (!is_whole) fail_usage(fmt::format("--ray: '{}' is not an origin and a direction \"OX OY OZ DX DY DZ\"", text));
+    const compiler::Ray ray{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
+    const double length = glm::length(ray.direction);
+    if (!(length > 0.0) || !std::isfinite(length))
+      fail_usage(fmt::format("--ray: the direction of '{}' has the length {}", text, length));
+    rays.push_back(ray);
+  }
+  return rays;
+}
+
+std::vector<compiler::Cut> read_cuts(const ProbeOptions& options) {
+  std::vector<compiler::Cut> cuts;
+  for (const std::string& text : options.cuts) {
+    const runtime::Plane plane = must_parse("--cut", runtime::parse_plane(text));
+    cuts.push_back({plane.normal, plane.d});
+  }
+  return cuts;
 }
 
 std::string quoted(const std::string& text) {
@@ -109,6 +145,77 @@ void print_explanations(const compiler::Module& module, const compiler::Referenc
   }
 }
 
+// ---- rays ----
+
+/// What a ray crosses at t: the test that is nearest to another outcome there.
+std::string cause_at(const compiler::Module& module, const compiler::RayReference& reference, compiler::Filter filter,
+                     const compiler::Ray& ray, double t, double time_ms) {
+  const glm::dvec3 p = ray.origin + t * ray.direction;
+  if (t == 0.0) return "the ray's origin";
+  if (glm::any(glm::greaterThanEqual(glm::abs(p), glm::dvec3(1.0 - 1e-9)))) return "the standard cube";
+  const compiler::Explanation there = compiler::explain(module, reference.points(), filter, p, time_ms);
+  return there.nearest.distance < 1e-6 ? there.nearest.what : "a cut";
+}
+
+std::string json_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
+
+std::string ray_json(const compiler::Ray& ray, const compiler::RayAnswer& answer,
+                     const std::vector<compiler::RegionInfo>& regions,
+                     const std::function<std::string(double)>& cause) {
+  const glm::dvec3 &o = ray.origin, &d = ray.direction;
+  std::string segments;
+  for (const compiler::RaySegment& segment : answer.segments) {
+    segments += fmt::format("{}{{\"t0\":{},\"t1\":{},\"path\":{}", segments.empty() ? "" : ",", segment.t0, segment.t1,
+                            quoted(compiler::format_path(regions, segment.path)));
+    if (cause)
+      segments += fmt::format(",\"at_t0\":{},\"at_t1\":{},\"t0_error\":{},\"t1_error\":{},\"certain\":{}",
+                              quoted(cause(segment.t0)), quoted(cause(segment.t1)), segment.t0_error, segment.t1_error,
+                              segment.certain);
+    segments += '}';
+  }
+  const glm::dvec4& c = answer.rgba;
+  return fmt::format(
+      "{{\"o\":[{},{},{}],\"d\":[{},{},{}],\"segments\":[{}],\"rgba\":[{},{},{},{}],\"depth\":{},\"certain\":{}}}\n",
+      o.x, o.y, o.z, d.x, d.y, d.z, segments, c.r, c.g, c.b, c.a, json_number(answer.depth), answer.certain);
+}
+
+std::string ray_text(const compiler::Ray& ray, const compiler::RayAnswer& answer,
+                     const std::vector<compiler::RegionInfo>& regions,
+                     const std::function<std::string(double)>& cause) {
+  const glm::dvec3 &o = ray.origin, &d = ray.direction;
+  std::string text = fmt::format("{} {} {} {} {} {}\t", o.x, o.y, o.z, d.x, d.y, d.z);
+  if (answer.segments.empty()) return text + "nothing\n";
+  const glm::dvec4& c = answer.rgba;
+  text += fmt::format("{:.6g} {:.6g} {:.6g} opacity {:.6g}{}\n", c.r, c.g, c.b, c.a,
+                      answer.certain ? "" : " (too near to be certain)");
+  for (const compiler::RaySegment& segment : answer.segments) {
+    text +=
+        fmt::format("  {:.9g} to {:.9g}\t{}\n", segment.t0, segment.t1, compiler::format_path(regions, segment.path));
+    if (cause) {
+      text += fmt::format("    from {} (to within {:.2g}) to {} (to within {:.2g}){}\n", cause(segment.t0),
+                          segment.t0_error, cause(segment.t1), segment.t1_error,
+                          segment.certain ? "" : ": too near to be certain");
+    }
+  }
+  return text;
+}
+
+void follow_rays(const compiler::Module& module, const compiler::Reference::Options& reading,
+                 const ProbeOptions& options, Context& context) {
+  const compiler::RayReference reference(module, reading);
+  const std::vector<compiler::RegionInfo> regions = compiler::legend(module);
+  const std::vector<compiler::Cut> cuts = read_cuts(options);
+  for (const compiler::Ray& ray : read_rays(options)) {
+    const compiler::RayAnswer answer = reference.along(ray, cuts, options.time_ms);
+    std::function<std::string(double)> cause;
+    if (options.explain) {
+      cause = [&](double t) { return cause_at(module, reference, reading.filter, ray, t, options.time_ms); };
+    }
+    print_result((options.json ? ray_json : ray_text)(ray, answer, regions, cause));
+  }
+  context.stopwatch.lap("rays");
+}
+
 int probe_reference(const ProbeOptions& options, std::span<const glm::dvec3> points, Context& context) {
   Diagnostics diagnostics(options.scene.strict);
   session::Session session = make_session(context);
@@ -117,6 +224,10 @@ int probe_reference(const ProbeOptions& options, std::span<const glm::dvec3> poi
   print_diagnostics(diagnostics, context);
   compiler::Reference::Options reading;
   reading.filter = compile_options(options.codegen).filter;
+  if (!options.rays.empty()) {
+    follow_rays(module, reading, options, context);
+    return exit_done;
+  }
   const compiler::Reference reference(module, reading);
   if (options.explain) {
     print_explanations(module, reference, reading.filter, options, points);
@@ -155,6 +266,13 @@ int probe(const ProbeOptions& options, Context& context) {
     fail_usage("--explain: only the reference knows how it came to its answer", {"leave --backend out"});
   }
   compile_options(options.codegen);  // refuses wrong usage on either backend
+  const bool asks_points = !options.points_file.empty() || !options.points.empty();
+  if (!options.rays.empty() && asks_points) fail_usage("--ray: points and rays are asked apart", {"leave one out"});
+  if (!options.rays.empty() && options.backend != "reference")
+    fail_usage("--ray: the reference alone follows rays", {"leave --backend out"});
+  if (options.rays.empty() && !options.cuts.empty()) fail_usage("--cut is for --ray", {"leave it away"});
+  read_rays(options);
+  read_cuts(options);
   const std::vector<glm::dvec3> points = read_points(options, context);
   const auto run = options.backend == "vulkan" ? probe_vulkan : probe_reference;
   return run(options, points, context);
@@ -174,6 +292,14 @@ void add_probe(CLI::App& app, Invocation& invocation) {
       ->type_name("POINT")
       ->allow_extra_args(false);
   command
+      .add_option("--ray", options->rays,
+                  "One ray, \"OX OY OZ DX DY DZ\": what it meets, where, and what is seen (repeatable)")
+      ->type_name("RAY")
+      ->allow_extra_args(false);
+  command.add_option("--cut", options->cuts, "\"NX NY NZ D\" takes away n.x > D before rays are followed (repeatable)")
+      ->type_name("PLANE")
+      ->allow_extra_args(false);
+  command
       .add_option("--backend", options->backend,
                   "reference (default; double precision, on the CPU) or vulkan (the generated shader)")
       ->type_name("NAME");
@@ -188,7 +314,8 @@ void add_probe(CLI::App& app, Invocation& invocation) {
   add_common_options(command, invocation.context);
   command.footer(
       "Examples: echo \"0 0.2 0.1\" | dmvv probe orange.voml --points - --json\n"
-      "          dmvv probe orange.voml --point \"0.3 0 0.2\" --explain");
+      "          dmvv probe orange.voml --point \"0.3 0 0.2\" --explain\n"
+      "          dmvv probe orange.voml --ray \"0 0 5 0 0 -1\" --json");
   command.callback([&invocation, options] {
     invocation.command = [options](Context& context) { return probe(*options, context); };
   });

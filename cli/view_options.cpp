@@ -8,8 +8,9 @@
 
 namespace dmvv::cli {
 
-void add_view_options(CLI::App& command, ViewOptions& options) {
-  command.add_option("--size", options.size, "Width and height in pixels; default 1280x720")->type_name("WxH");
+SeenOptions add_seen_options(CLI::App& command, ViewOptions& options) {
+  command.add_option("--size", options.size, fmt::format("Width and height in pixels; default {}", options.size))
+      ->type_name("WxH");
   auto* camera = command
                      .add_option("--camera", options.camera,
                                  "\"eye X Y Z look X Y Z fov DEGREES\", \"up X Y Z\" optional; default: a camera that "
@@ -21,11 +22,16 @@ void add_view_options(CLI::App& command, ViewOptions& options) {
   auto* cut = command.add_option("--cut", options.cuts, "\"NX NY NZ D\" takes away n.x > D (repeatable)")
                   ->type_name("PLANE")
                   ->allow_extra_args(false);
+  return {camera, mesh, cut};
+}
+
+void add_view_options(CLI::App& command, ViewOptions& options) {
+  const SeenOptions seen = add_seen_options(command, options);
   command.add_option("--slice", options.slice, "Draw the section of a plane instead: \"z=0\" or \"NX NY NZ D\"")
       ->type_name("PLANE")
-      ->excludes(camera)
-      ->excludes(mesh)
-      ->excludes(cut);
+      ->excludes(seen.camera)
+      ->excludes(seen.mesh)
+      ->excludes(seen.cut);
   command.add_option("--shading", options.shading, "none or lit (default; slices are never lit)")->type_name("WORD");
   command.add_option("--samples", options.samples, "Samples along each axis of a pixel, 1 to 16; default 1")
       ->type_name("N")

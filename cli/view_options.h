@@ -21,7 +21,13 @@ struct ViewOptions {
   std::uint32_t samples = 1;
 };
 
-/// --size, --camera, --mesh, --cut, --slice, --shading, --samples.
+/// Options that exclude sections.
+struct SeenOptions {
+  CLI::Option *camera, *mesh, *cut;
+};
+/// --size, --camera, --mesh, --cut.
+SeenOptions add_seen_options(CLI::App& command, ViewOptions& options);
+/// Those, and --slice, --shading, --samples.
 void add_view_options(CLI::App& command, ViewOptions& options);
 
 /// What the texts of the options say, or wrong usage. The camera waits for the mesh it frames.

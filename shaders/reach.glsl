@@ -14,7 +14,8 @@ struct Local {
 };
 Local local = Local(1.0, 0.0);
 
-// Something may change after `distance`, in a quantity that is `slope` times as steep as steps in the frame.
+// The answer may change once some quantity has changed by `distance`; that quantity changes at most `slope` per unit of the
+// current frame. Shrinks `reach` accordingly.
 void limit(float distance, float slope) {
   float steps = distance / (slope * local.stretch) - 2.0 * local.error;
   reach = steps >= reach ? reach : steps < reach ? steps : -1.0;  // of NaN: nothing is known

@@ -34,7 +34,7 @@ class Attributes {
   bool has_misspelt(std::string_view name) const;
   /// Whether there is an attribute other than `name`, known or nearly so.
   bool has_other_than(std::string_view name) const;
-  /// Of the value; of the element's name if it has no such attribute.
+  /// The place of the value; that of the element's name if it has no such attribute.
   Span span(std::string_view name) const;
 
   /// A text that is not blank, without the blanks around it. Errors: E0209.

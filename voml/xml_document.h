@@ -55,7 +55,7 @@ class XmlDocument {
   Span name_span(pugi::xml_attribute attribute) const;
   /// Between the quotes, as written.
   Span value_span(pugi::xml_attribute attribute) const;
-  /// Of a text or CDATA node, as written.
+  /// The text of a text or CDATA node, as written.
   Span text_span(pugi::xml_node text) const;
 
  private:

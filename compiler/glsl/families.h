@@ -28,10 +28,11 @@ class Families {
   void add(const std::string& name, const std::string& text);
 
   bool knows(const std::string& name) const { return numbers_.contains(name); }
-  /// Equal for functions of the same shape.
+  /// The function's shape: functions that are equal but for their numbers have the same.
   std::uint32_t shape(const std::string& name) const { return functions_[numbers_.at(name)].shape; }
 
-  /// From now on these functions, all of one shape, are also there as one that takes a row first; returns its name.
+  /// Merges functions of one shape into one function whose first argument is a row of `parameters`. Returns the name of
+  /// the merged function; the originals stay available.
   std::string unite(const std::vector<std::string>& names);
 
   /// Gives each member of the united functions its row; nothing is added or united after this.

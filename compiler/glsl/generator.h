@@ -77,7 +77,7 @@ class Generator : GlslWriter {
 
   // ---- what calls what ----
   std::vector<Id<Object>> each_by_itself() const;
-  /// Of each object the first one of its shape, among those that are written.
+  /// Gives each object the first one of its shape, among those that are written.
   std::vector<Id<Object>> by_shape() const;
   /// A group of one candidate calls its object unconditionally, with a guard: so embedding does not nest.
   void find_guarded();
@@ -95,12 +95,12 @@ class Generator : GlslWriter {
   static std::string bound(double value);
   /// How far off a point of the standard cube is after the map, in units of its result.
   static double rounding_of(const Affine& affine) { return glm::length(float_error(affine, glm::dvec3(1.0))); }
-  /// Of a point that `affine` took into a frame: the factor and the error of steps.
+  /// Writes by how much steps are longer in the frame that `affine` leads to, and how far a point there may be off.
   static std::string scaled_frame(const Affine& affine);
-  /// Of placements that are read from records: what their frames have in common.
+  /// Bounds that hold for all placements of a list, since their matrices are not known when the code is written.
   struct Placements {
     double skew = 1.0;   ///< the largest stretch over the longest row
-    double error = 0.0;  ///< of a point, as a step in the outer frame
+    double error = 0.0;  ///< how far a point may be off, as a step in the outer frame
     void add(const Affine& affine) {
       const glm::dmat3 rows = glm::transpose(affine.linear);
       const double longest = std::max({glm::length(rows[0]), glm::length(rows[1]), glm::length(rows[2])});
@@ -115,7 +115,7 @@ class Generator : GlslWriter {
   std::string limit_box(const LocalBox& box, const std::string& q, double slope, double error) const;
   void emit_bitmap_test();
   std::string box_test(const LocalBox& box, const std::string& q) const;
-  /// Of an SDF in a chain (compiler/passes/seed_chains.h).
+  /// Tells where an SDF stands in its chain (compiler/passes/seed_chains.h).
   struct Link {
     const SeedChain* chain;
     std::uint32_t number;
@@ -158,7 +158,8 @@ class Generator : GlslWriter {
   Outcome outcome_of(Id<Node> id);
   /// Do the object's decisions tell, before what it embeds is asked, whether it answers?
   bool sinks(Id<Object> id);
-  /// With `inside` false, whether it answers; then, with `inside` true, it does.
+  /// Writes a function that is called twice: `inside = false` returns whether the object answers at p; `inside = true`
+  /// then computes the answer.
   void emit_in_two_steps(Id<Object> id);
   /// Whether a point answers, as one expression.
   std::string entrance(Id<Node> id);
@@ -173,7 +174,7 @@ class Generator : GlslWriter {
   void emit_candidates(Id<Region> id, bool one_region, const Continuation& continued = {});
   void emit_group(Id<Region> region, std::size_t g, const gpu::GroupRecord& record, const std::string& asked,
                   std::optional<std::uint32_t> later);
-  /// Of point b in the frame of a group's box.
+  /// Writes the test of point b in the frame of a group's box.
   std::string limit_group_box(const Affine& box_from_object) const;
   /// The call stands in no condition: a chain of objects, each in the one before, is as deep as one.
   /// `called`: the object's function, if it is not its usual one.
@@ -210,7 +211,7 @@ class Generator : GlslWriter {
     bool answers_at_once() const { return walked || !std::ranges::all_of(calls, &Call::sinks); }
   };
   Calls calls_of(const std::vector<Id<Object>>& called, const gpu::GroupRecord& record);
-  /// Of candidate c. In two steps: `inside` calls those for their answer, that have been found to have one.
+  /// Writes the call of candidate c. In two steps, `inside` calls those for their answer that were found to have one.
   void emit_calls(const Calls& calls, bool inside);
   /// Objects by shape, in the order of the first of each; those that are cut all together.
   std::vector<std::vector<Id<Object>>> shapes_of(const std::vector<Id<Object>>& called);

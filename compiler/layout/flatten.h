@@ -48,7 +48,7 @@ gpu::AffineRows rows(const Affine& affine);
 struct IndexOptions {
   bool use = true;       ///< false: every lookup is one cell that lists everything
   bool refine = false;   ///< an author's size is no more than a wish for more cells than would be chosen
-  double widened = 0.0;  ///< lists hold also what comes so near to a cell, in cells
+  double widened = 0.0;  ///< a cell's list also holds placements up to this distance outside the cell, in cells
 };
 
 /// Builds all records. Those of SDFs in chains are of no use to the generic walker.

@@ -15,11 +15,11 @@ namespace dmvv::compiler {
 struct ObjectParts {
   std::vector<Id<Sdf>> sdfs;        ///< different ones, in the order of the tree
   std::vector<Id<Region>> regions;  ///< different ones, in the order of the tree
-  std::uint32_t decisions = 0;      ///< of the tree written out, shared subtrees repeated
+  std::uint32_t decisions = 0;      ///< the tree has so many when it is written out, shared subtrees repeated
   std::uint32_t depth = 0;          ///< most decisions on a way through the tree
   bool has_flat_tree = false;       ///< then decisions are written once each, none within another
-  std::uint32_t seeded = 0;         ///< of these
-  std::uint32_t source_lines = 0;   ///< of snippets and filters
+  std::uint32_t seeded = 0;         ///< so many decisions test a seeded SDF
+  std::uint32_t source_lines = 0;   ///< snippets and filters take so many lines
 };
 
 /// What the sources of distances take in a shader.
@@ -47,9 +47,9 @@ struct CodePlan {
   bool walks() const;  ///< is any object cut?
 };
 
-/// Cuts as little as meets the budget of inlined lines: among the cuts that suffice the one that keeps most specialised
-/// code, else the one that saves most, and so on; at last the root. Objects that would nest too many conditions are cut
-/// in any case, and all of them for a form that is only records.
+/// Cuts objects until the inlined size is within the budget. Each step takes the one cut that suffices and keeps most
+/// code; if none suffices, the cut that saves most. In the end the root itself is cut. Objects that would nest too many
+/// conditions are cut in any case, and all of them for a form that is only records.
 /// Codegen::automatic cuts beforehand the objects that are expected to cost less when they are walked.
 /// `alike`: of each object the one whose code it shares where both are candidates of a group (else itself).
 /// Cost: objects squared, times cuts.

@@ -9,7 +9,8 @@
 
 namespace dmvv::compiler {
 
-/// Of a device; nanoseconds a point, all of the device busy. Only their ratios matter.
+/// What a device takes for each kind of work, in nanoseconds a point, all of the device being busy. Only the ratios
+/// matter.
 struct DeviceCosts {
   double line = 0.07;   ///< a line of straight-line code
   double sample = 2.3;  ///< a value of a distance grid, and the decision on it
@@ -24,7 +25,7 @@ struct DeviceCosts {
 
 /// As session::calibrate measures lavapipe (Mesa 22.3.6) on 2 cores: the defaults.
 DeviceCosts costs_of_cpu();
-/// Of a GPU, where nothing was measured: branches skip, and walking costs latency.
+/// What a GPU is taken to cost where nothing was measured: branches skip, and walking costs latency.
 DeviceCosts costs_of_gpu();
 
 /// What a point in an object's cube is expected to cost in either form, with all that the object embeds.
@@ -35,7 +36,7 @@ struct ObjectCost {
 
 struct SourceSizes;
 
-/// Of each object, what it embeds being in the form that costs less. A point meets as many of a group's candidates as
+/// Expects what each object costs, what it embeds being in the form that costs less. A point meets as many of a group's candidates as
 /// their volumes fill; it is walked along the most expensive way.
 /// Cost: linear in nodes and candidates.
 std::vector<ObjectCost> expected_costs(const Module& module, const SourceSizes& sizes,

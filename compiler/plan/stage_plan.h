@@ -15,7 +15,8 @@
 
 namespace dmvv::compiler {
 
-/// From the root object down: each region but the last is left through its last group, which has one candidate.
+/// The regions that a pixel passes on the way down from the root. From each of them but the last it went on into the
+/// single candidate of the region's last group.
 using Way = std::vector<Id<Region>>;
 
 /// What stages hold. Stage 0 begins with the root; the others with a group of a way's last region, and go on from

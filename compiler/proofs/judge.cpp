@@ -40,9 +40,19 @@ struct Spot {
   glm::dvec3 center, half;
 };
 
-Spot spot_in(const Frame& frame, const snippet::Box& box) {
-  return {frame.from_root(0.5 * (box.lo + box.hi)),
-          abs_times(frame.from_root.linear, 0.5 * (box.hi - box.lo)) + frame.error.component};
+/// The points that are asked about: a box, or a segment.
+struct Points {
+  glm::dvec3 middle, half;  ///< of a segment half the way along it
+  bool is_segment;
+
+  Points(const snippet::Box& box) : middle(0.5 * (box.lo + box.hi)), half(0.5 * (box.hi - box.lo)), is_segment(false) {}
+  Points(const Segment& s) : middle(0.5 * (s.a + s.b)), half(0.5 * (s.b - s.a)), is_segment(true) {}
+};
+
+Spot spot_in(const Frame& frame, const Points& points) {
+  const glm::dmat3& linear = frame.from_root.linear;
+  const glm::dvec3 half = points.is_segment ? glm::abs(linear * points.half) : abs_times(linear, points.half);
+  return {frame.from_root(points.middle), half + frame.error.component};
 }
 
 Held held_by(const Spot& q, const glm::dvec3& lo, const glm::dvec3& hi) {
@@ -107,11 +117,11 @@ struct Judge::Impl {
     return function != nullptr && animated[function->index];
   }
 
-  /// What a lookup lists for the cells that a spot touches, ascending: of numbers from `begin` on, counted from there,
-  /// `count` at most; none if that is too much.
+  /// The entries, ascending and without repeats, of all cells that the box touches, restricted to [begin, begin +
+  /// count) and counted from `begin`. Nothing if the box touches too many cells or they list too much.
   std::optional<std::vector<std::uint32_t>> listed(const gpu::LookupRecord& lookup, const Spot& q, std::uint32_t begin,
                                                    std::size_t count) const;
-  /// Of the source of an SDF at points of a frame.
+  /// On which side of an SDF's surface the points of the spot lie.
   Side side_of(Id<Sdf> id, const Spot& q, std::span<const snippet::BoxFunction> functions) const;
 
  private:
@@ -229,7 +239,7 @@ struct Inquiry::Impl {
   const Module& module;
   const Judge::Times& times;
   std::span<const snippet::BoxFunction> functions;
-  snippet::Box box;
+  Points points;
   Impl* wider = nullptr;
   std::forward_list<Frame> frames;
   Arrival root;
@@ -238,41 +248,43 @@ struct Inquiry::Impl {
   struct Outcome {
     Id<Region> region;
     Affine texture_from_root;
+    std::vector<PathStep> path;  ///< of segments
     friend bool operator==(const Outcome&, const Outcome&) = default;
   };
+  std::vector<PathStep> path;      ///< to where the verdict stands now
   std::optional<Outcome> outcome;  ///< the first that was found
   bool conflict = false;           ///< there is another one
   bool moves = false;
   bool given_up = false;
   std::uint32_t tests = 0;
 
-  Impl(const Judge::Impl& j, const Judge::Times& t, std::span<const snippet::BoxFunction> f, const snippet::Box& b)
-      : judge(j), module(j.module), times(t), functions(f), box(b) {
+  Impl(const Judge::Impl& j, const Judge::Times& t, std::span<const snippet::BoxFunction> f, const Points& p)
+      : judge(j), module(j.module), times(t), functions(f), points(p) {
     root.frame = &frames.emplace_front();
-    root.spot = spot_in(*root.frame, box);
+    root.spot = spot_in(*root.frame, points);
     root.wider = nullptr;
   }
-  Impl(Impl& w, const snippet::Box& b)
-      : judge(w.judge), module(w.module), times(w.times), functions(w.functions), box(b), wider(&w) {
+  Impl(Impl& w, const Points& p)
+      : judge(w.judge), module(w.module), times(w.times), functions(w.functions), points(p), wider(&w) {
     root.frame = w.root.frame;
-    root.spot = spot_in(*root.frame, box);
+    root.spot = spot_in(*root.frame, points);
     root.wider = &w.root;
   }
 
   Verdict run() {
-    if (follow_object(module.root, root) != Answers::always) add_outcome({}, {});
+    if (follow_object(module.root, root) != Answers::always) add_outcome({{}, {}, {}});
     Verdict verdict;
     verdict.decided = !given_up && !conflict;
     verdict.moves = given_up ? judge.any_animated : conflict && moves;
     if (verdict.decided) {
       verdict.region = outcome->region;
+      verdict.path = std::move(outcome->path);
       verdict.texture_from_root = outcome->texture_from_root;
     }
     return verdict;
   }
 
-  void add_outcome(Id<Region> region, const Affine& texture_from_root) {
-    const Outcome found{region, texture_from_root};
+  void add_outcome(const Outcome& found) {
     conflict = conflict || (outcome && *outcome != found);
     if (!outcome) outcome = found;
   }
@@ -321,7 +333,7 @@ struct Inquiry::Impl {
   void ask_source(const Frame& frame, AskedSdf& asked) {
     if (asked.side == Side::negative) return;
     count_test();
-    Spot q = spot_in(frame, box);
+    Spot q = spot_in(frame, points);
     const bool is_tiled = at(module.sdfs, asked.sdf).placement == voml::Placement::tiled;
     const Side side = is_tiled && !wrap(frame, q) ? Side::open : judge.side_of(asked.sdf, q, functions);
     if (side != Side::positive) asked.side = side;
@@ -337,7 +349,7 @@ struct Inquiry::Impl {
     GroupInquiry asked{&group, Held::inside, false, {}};
     const Frame in_frame =
         group.box_from_object ? enter(*group.box_from_object, *arrival.frame, arrival.spot) : *arrival.frame;
-    const Spot in_box = group.box_from_object ? spot_in(in_frame, box) : arrival.spot;
+    const Spot in_box = group.box_from_object ? spot_in(in_frame, points) : arrival.spot;
     if (group.box_from_object) asked.held = held_by_cube(in_box);
     if (asked.held == Held::outside) return arrival.groups.emplace_back(std::move(asked));
     if (before != nullptr && !before->too_many) {
@@ -361,7 +373,7 @@ struct Inquiry::Impl {
     CandidateInquiry candidate{index, &frame, Held::inside, std::make_unique<Arrival>()};
     Arrival& arrival = *candidate.arrival;
     arrival.frame = &frame;
-    arrival.spot = spot_in(frame, box);
+    arrival.spot = spot_in(frame, points);
     arrival.wider = before;
     if (asked.group->candidates[index].tiled) {
       const auto wrapped = wrap(frame, arrival.spot);
@@ -394,6 +406,13 @@ struct Inquiry::Impl {
   }
 
   Answers answer(Id<Region> id, Arrival& arrival) {
+    path.push_back({id.index, 0});
+    const Answers answers = answer_by(id, arrival);
+    path.pop_back();
+    return answers;
+  }
+
+  Answers answer_by(Id<Region> id, Arrival& arrival) {
     const Region& region = at(module.regions, id);
     bool any = false;
     for (std::size_t g = 0; g < region.groups.size() && !is_over(); ++g) {
@@ -404,7 +423,9 @@ struct Inquiry::Impl {
     }
     if (region.number == 0) return any ? Answers::sometimes : Answers::never;
     const bool is_bitmap = region.kind == voml::RegionKind::bitmap;
-    add_outcome(id, is_bitmap ? region.texture_from_object * arrival.frame->from_root : Affine{});
+    path.back().candidate = 0;
+    add_outcome({id, is_bitmap ? region.texture_from_object * arrival.frame->from_root : Affine{},
+                 points.is_segment ? path : std::vector<PathStep>{}});
     return Answers::always;
   }
 
@@ -414,6 +435,7 @@ struct Inquiry::Impl {
     given_up = given_up || asked.too_many;
     bool any = false;
     for (std::size_t k = 0; k < asked.candidates.size() && !is_over(); ++k) {
+      path.back().candidate = group.first_number + asked.candidates[k].index;
       const Answers one = answer(group.candidates[asked.candidates[k].index], asked.candidates[k]);
       if (one == Answers::always && asked.held == Held::inside) return one;
       any = any || one != Answers::never;
@@ -453,6 +475,9 @@ Judge::Times Judge::prepare(const Module& module, const snippet::Interval& span_
 Inquiry::Inquiry(const Judge& judge, const Judge::Times& times, const snippet::Box& box)
     : impl_(std::make_unique<Impl>(*judge.impl_, times, times.functions_, box)) {}
 Inquiry::Inquiry(Inquiry& wider, const snippet::Box& box) : impl_(std::make_unique<Impl>(*wider.impl_, box)) {}
+Inquiry::Inquiry(const Judge& judge, const Judge::Times& times, const Segment& segment)
+    : impl_(std::make_unique<Impl>(*judge.impl_, times, times.functions_, segment)) {}
+Inquiry::Inquiry(Inquiry& wider, const Segment& segment) : impl_(std::make_unique<Impl>(*wider.impl_, segment)) {}
 Inquiry::~Inquiry() = default;
 
 Verdict Inquiry::verdict() { return impl_->run(); }

@@ -293,7 +293,7 @@ struct IntervalDomain : IntegerIntervalOps {
   static Interval f_exp2(R a) {
     return exponential(a, [](double x) { return std::exp2(x); });
   }
-  /// Of negative numbers a device may give anything up to the logarithm of their size.
+  /// A device may give anything for negative numbers, up to the logarithm of their size.
   template <Op op>
   static Interval logarithm(R a, double (*f)(double)) {
     const double lo = a.lo <= 0.0 ? -infinity : f(a.lo);

@@ -33,7 +33,7 @@ struct OpInfo {
 };
 const OpInfo& info(Op op);
 
-/// Of f, i, u or b.
+/// The type that a letter of the table stands for: f, i, u or b.
 Type type_of_letter(char letter);
 
 /// A register, or the number of an array where the operation says so.

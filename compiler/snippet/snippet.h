@@ -89,8 +89,8 @@ class Snippet {
   /// not decided within the budget, or an instruction that is not understood, gives the unknown interval: never wrong.
   Interval evaluate(const Box& p, const Interval& t_ms, Rounding rounding) const;
 
-  /// Of f over a box, at any time of a span. Bounds are those of the whole: cheap (some 0.1 us an instruction) and
-  /// coarse.
+  /// Bounds how steep f is over a box, at any time of a span: one bound for the whole, cheap (some 0.1 us an
+  /// instruction) and coarse.
   Steepness steepness(const Box& p, const Interval& t_ms) const;
 
   /// Value and derivatives by forward differentiation. At kinks one of the one-sided derivatives.

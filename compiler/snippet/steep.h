@@ -49,7 +49,7 @@ struct Steep {
   }
 };
 
-/// Of two ways to the same place: the value jumps between them unless it is the same.
+/// Joins two ways to the same place: the value jumps between them unless it is the same.
 inline Steep hull(const Steep& a, const Steep& b) {
   const bool is_constant =
       a.v.lo == a.v.hi && a.v == b.v && a.slope == 0.0 && b.slope == 0.0 && a.error == 0.0 && b.error == 0.0;

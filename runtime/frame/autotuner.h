@@ -15,8 +15,10 @@ namespace dmvv::runtime {
 class Autotuner {
  public:
   static constexpr std::uint32_t first_hold = 16, longest_hold = 1024;  ///< frames
-  static constexpr std::size_t judged_frames = 3;                       ///< of a way in a trial, its last ones
-  static constexpr std::size_t learning_frames = 12;  ///< that a way gets in a trial which becomes faster by being used
+  /// A trial judges a way by the last frames that it drew.
+  static constexpr std::size_t judged_frames = 3;
+  /// A trial gives so many frames to a way that speeds up with use.
+  static constexpr std::size_t learning_frames = 12;
 
   /// Until the first trial, `start` is the way. `learns` says which ways become faster by being used, if any do.
   Autotuner(std::size_t ways, std::size_t start, std::vector<bool> learns = {})

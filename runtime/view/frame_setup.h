@@ -25,7 +25,7 @@ struct FrameSetup {
   glm::uvec2 size_px{0};       ///< what is rendered: the picture times the samples
   PixelRange seen;             ///< where anything can show; whole pixels of the picture
   gpu::RasterParams raster{};  ///< unused for slices; its tile is set for each tile
-  gpu::FrameParams pixels{};  ///< its size is set for each tile
+  gpu::FrameParams pixels{};   ///< its size is set for each tile
   bool eye_within = false;     ///< the eye is in the mesh's bounds, and left there: it may see the solid from within
   bool has_caps = false;       ///< sections of the cuts can be seen
   glm::dvec3 eye{0.0};

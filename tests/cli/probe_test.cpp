@@ -198,3 +198,40 @@ TEST_CASE("--explain ends in the answer that probe gives without it, on the exam
   CHECK(answers > 100);
   CHECK(levels >= 3);
 }
+
+TEST_CASE("a ray tells what it meets, where, and why there") {
+  const Folder folder;
+  const std::string scene = folder.write("s.voml", nested_cubes);
+  const auto json = run_dmvv({"probe", scene, "--ray", "0.2 0.1 5 0 0 -2", "--json"});
+  CHECK(json.err == "");
+  const auto line = nlohmann::json::parse(json.out);
+  CHECK(line["o"] == nlohmann::json::array({0.2, 0.1, 5.0}));
+  CHECK(line["d"] == nlohmann::json::array({0.0, 0.0, -2.0}));
+  CHECK(line["segments"].size() >= 1);
+  CHECK(line["segments"][0]["t0"] == 2.0);  // the cube's face z = 1
+  CHECK(line["depth"] == 2.0);
+  CHECK(line["certain"] == true);
+  CHECK(line["rgba"][3] == 1.0);
+  const auto why = run_dmvv({"probe", scene, "--ray", "0.2 0.1 5 0 0 -2", "--explain"});
+  CHECK(why.out.find("from the standard cube") != std::string::npos);
+  const auto cut = run_dmvv({"probe", scene, "--ray", "0.2 0.1 5 0 0 -1", "--cut", "0 0 1 0.75", "--json"});
+  CHECK(nlohmann::json::parse(cut.out)["depth"] == 4.25);
+  const auto missed = run_dmvv({"probe", scene, "--ray", "5 0 0 0 0 1", "--json"});
+  CHECK(nlohmann::json::parse(missed.out)["segments"].empty());
+  CHECK(nlohmann::json::parse(missed.out)["depth"].is_null());
+}
+
+TEST_CASE("rays that are none are refused") {
+  const Folder folder;
+  const std::string scene = folder.write("s.voml", nested_cubes);
+  for (const char* ray : {"0 0 5 0 0 0", "0 0 5 0 0", "0 0 5 0 0 x", "0 0 5 0 0 inf", "0 0 5 0 0 1 2", ""}) {
+    CAPTURE(ray);
+    const auto run = run_dmvv({"probe", scene, "--ray", ray});
+    CHECK(run.exit_code == 2);
+    CHECK(run.err.find("--ray: ") != std::string::npos);
+    CHECK(run.out == "");
+  }
+  CHECK(run_dmvv({"probe", scene, "--ray", "0 0 5 0 0 1", "--point", "0 0 0"}).exit_code == 2);
+  CHECK(run_dmvv({"probe", scene, "--ray", "0 0 5 0 0 1", "--backend", "vulkan"}).exit_code == 2);
+  CHECK(run_dmvv({"probe", scene, "--point", "0 0 0", "--cut", "0 0 1 0"}).exit_code == 2);
+}

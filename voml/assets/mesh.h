@@ -58,7 +58,7 @@ EdgeFaults find_edge_faults(const Mesh& mesh);
 /// A line for each kind of fault: how many edges have it, and where the first of them is.
 std::vector<std::string> describe(const EdgeFaults& edges);
 
-/// Of a closed mesh, for each triangle: whether its part (of triangles that hang together by vertices) holds a positive
+/// Tells for each triangle of a closed mesh whether its part (of triangles that hang together by vertices) holds a positive
 /// volume. Then its face looks outward; voids, and what is turned inside out, hold a negative one. A part that passes
 /// through itself is judged as a whole. Cost: linear.
 std::vector<bool> outward_triangles(const Mesh& mesh);

@@ -29,7 +29,7 @@ std::shared_ptr<const Judge> judge_of(const Module& module, CompileOptions optio
 }
 
 Verdict verdict(const Judge& judge, const glm::dvec3& lo, const glm::dvec3& hi, const Judge::Times* times = nullptr) {
-  return Inquiry(judge, times != nullptr ? *times : judge.always(), {lo, hi}).verdict();
+  return Inquiry(judge, times != nullptr ? *times : judge.always(), snippet::Box{lo, hi}).verdict();
 }
 
 std::string name(const Judge& judge, const Verdict& verdict) {
@@ -204,10 +204,10 @@ TEST_CASE("a box within a box is judged as by itself, and never otherwise") {
   int decided_alone = 0, decided_within = 0;
   for (int i = 0; i < 300; ++i) {
     const glm::dvec3 lo = random.point(-1.0, 0.9);
-    Inquiry wide(*judge, judge->always(), {lo, lo + 0.1});
+    Inquiry wide(*judge, judge->always(), snippet::Box{lo, lo + 0.1});
     for (int k = 0; k < 8; ++k) {
       const glm::dvec3 at = lo + random.point(0.0, 0.09);
-      const Verdict alone = verdict(*judge, at, at + 0.01), within = Inquiry(wide, {at, at + 0.01}).verdict();
+      const Verdict alone = verdict(*judge, at, at + 0.01), within = Inquiry(wide, snippet::Box{at, at + 0.01}).verdict();
       decided_alone += alone.decided, decided_within += within.decided;
       if (alone.decided && within.decided) CHECK(alone.region == within.region);
     }

@@ -25,7 +25,7 @@ inline std::vector<float> times_of(const Snippet& snippet, double t_ms) {
 inline compiler::Program points_program(const Snippet& snippet) {
   compiler::Program program;
   const std::vector<float> times = times_of(snippet, 0.0);
-  constexpr std::uint32_t binding = compiler::scene_binding::time_values;
+  constexpr std::uint32_t binding = compiler::scene_binding::nodes;
   compiler::Buffer buffer{"time_values", binding, std::vector<std::byte>(times.size() * sizeof(float))};
   program.buffers.push_back(std::move(buffer));
   const std::string glsl = fmt::format(
