@@ -8,6 +8,7 @@
 
 #include "compiler/layout/tape_cells.h"
 #include "compiler/shader_text.h"
+#include "compiler/snippet/device_values.h"
 #include "compiler/snippet/time_range.h"
 
 namespace dmvv::compiler {

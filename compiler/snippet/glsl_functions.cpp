@@ -6,6 +6,10 @@
 
 namespace dmvv::compiler::snippet {
 
+Scalars slice(const Scalars& all, std::size_t first, std::size_t count) {
+  return {all.begin() + static_cast<std::ptrdiff_t>(first), all.begin() + static_cast<std::ptrdiff_t>(first + count)};
+}
+
 Scalars each(ProgramBuilder& b, Op op, const Scalars& x) {
   Scalars out;
   for (const Register r : x) out.push_back(b.emit(op, {r}));

@@ -13,6 +13,9 @@ namespace dmvv::compiler::snippet {
 /// structure its members one after another.
 using Scalars = std::vector<Register>;
 
+/// `count` scalars from number `first` on, which must be there.
+Scalars slice(const Scalars& all, std::size_t first, std::size_t count);
+
 // Shared with the instructions of SPIR-V's core.
 Scalars each(ProgramBuilder& b, Op op, const Scalars& x);
 Scalars each(ProgramBuilder& b, Op op, const Scalars& x, const Scalars& y);

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 
+#include "compiler/snippet/device_values.h"
 #include "compiler/snippet/evaluate.h"
 #include "compiler/snippet/time_values.h"
 

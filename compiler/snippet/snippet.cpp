@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "compiler/snippet/device_values.h"
 #include "compiler/snippet/evaluate.h"
 #include "compiler/snippet/time_values.h"
 
@@ -69,5 +70,9 @@ Dual Snippet::differentiate(const glm::dvec3& p, double t_ms) const {
   const DualNumber f = evaluate_point<DualNumber>(*program_, inputs).f;
   return {f.value, {f.d[0], f.d[1], f.d[2]}, f.d[3]};
 }
+
+std::vector<float> Snippet::time_values(double t_ms) const { return snippet::time_values(split_->slots, t_ms); }
+
+std::size_t Snippet::time_value_count() const { return split_->slots.size(); }
 
 }  // namespace dmvv::compiler::snippet

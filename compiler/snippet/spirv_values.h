@@ -61,6 +61,7 @@ class SpirvValues {
   const SpirvType& value_type(SpirvId value) const;
   Scalars as(Type type, Scalars values);
 
+  // Memory: spirv_memory.cpp.
   void declare(const SpirvInstruction& variable);
   void declare_leaves(SpirvId type, std::uint32_t copies, Variable& variable);
   const Place& place(SpirvId pointer);
@@ -73,12 +74,15 @@ class SpirvValues {
   void store_scalars(Place place, const Scalars& values, std::size_t& next);
 
   bool execute_memory(const SpirvInstruction& instruction);
+
   bool execute_composite(const SpirvInstruction& instruction);
+  void execute_glsl(const SpirvInstruction& instruction);
+  std::uint32_t member_offset(SpirvId& type, std::span<const std::uint32_t> path) const;
+
+  // Arithmetic: spirv_arithmetic.cpp.
   bool execute_matrix(const SpirvInstruction& instruction);
   bool execute_bits(const SpirvInstruction& instruction);
   bool execute_scalarwise(const SpirvInstruction& instruction);
-  void execute_glsl(const SpirvInstruction& instruction);
-  std::uint32_t member_offset(SpirvId& type, std::span<const std::uint32_t> path) const;
 
   const SpirvModule& module_;
   ProgramBuilder& builder_;

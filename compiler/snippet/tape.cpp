@@ -7,7 +7,7 @@
 #include <queue>
 
 #include "compiler/snippet/device_functions.h"
-#include "compiler/snippet/emit_glsl.h"
+#include "compiler/snippet/glsl_forms.h"
 #include "shaders/records.h"
 
 namespace dmvv::compiler::snippet {

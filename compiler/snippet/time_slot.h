@@ -16,6 +16,14 @@ enum class Period : std::uint8_t {
   one,   ///< 1: fract
 };
 
+/// Beyond it a time value is reduced by its period. Below, reducing could lose more than it wins: with |b| > 256 the
+/// error of float32 a + b exceeds that of a + (b mod 2 pi) for every |a| <= 126.
+inline constexpr double reduced_beyond = 256.0;
+
+/// What a period leaves of a value: its remainder, in [-pi, pi] or [0, 1); the value itself where its size is no more
+/// than reduced_beyond, where it is not finite, and without a period.
+double reduce(double value, Period period);
+
 /// One float that depends on time alone: how it is computed.
 struct TimeSlot {
   Register result;  ///< real; of the schedule that the slot is part of (time_values.h)

@@ -2,10 +2,8 @@
 // See spec/time.md.
 #pragma once
 
-#include <span>
 #include <vector>
 
-#include "compiler/snippet/evaluate.h"
 #include "compiler/snippet/program.h"
 #include "compiler/snippet/time_slot.h"
 
@@ -30,12 +28,5 @@ struct TimeSplit {
 /// Cost: linear in the program times the depth of its control flow. At most 512 values are hoisted: a program that
 /// wants more gets t alone.
 TimeSplit split_time(const Program& program);
-
-/// What a device reads as `hoisted` at the times of an interval, and what it stands for: the value in double and its
-/// rounding to float32. A reduced value stands for itself, whole periods apart.
-std::vector<BoxValue> device_values(const TimeSplit& split, const Interval& t_ms);
-
-/// The part of a program that reaches some of its registers.
-Program reaching(const Program& program, std::span<const Register> results);
 
 }  // namespace dmvv::compiler::snippet

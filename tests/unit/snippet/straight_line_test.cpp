@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 
+#include "compiler/snippet/device_values.h"
 #include "corpus.h"
 #include "emitted.h"
 #include "program_of.h"
