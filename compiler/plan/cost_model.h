@@ -36,9 +36,8 @@ struct ObjectCost {
 
 struct SourceSizes;
 
-/// Expects what each object costs, what it embeds being in the form that costs less. A point meets as many of a group's candidates as
-/// their volumes fill; it is walked along the most expensive way.
-/// Cost: linear in nodes and candidates.
+/// Expects what each object costs, what it embeds being in the form that costs less. A point meets as many of a group's
+/// candidates as their volumes fill; it is walked along the most expensive way. Cost: linear in nodes and candidates.
 std::vector<ObjectCost> expected_costs(const Module& module, const SourceSizes& sizes,
                                        const std::vector<Id<Object>>& alike, const DeviceCosts& device);
 

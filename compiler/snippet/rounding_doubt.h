@@ -13,8 +13,9 @@ struct RoundingDoubt {
   Interval bounds;      ///< of every float32 evaluation
   double exact = 0.0;   ///< in double
   double single = 0.0;  ///< in float32, operation by operation
-  /// The place of the first operation on the way that jumps (fract, floor, mod, ...) with an operand that float32 knows to within
-  /// a quarter of a jump's distance at best: "fract of a product of 43758.5 and a sine". Empty: there is none.
+  /// The place of the first operation on the way that jumps (fract, floor, mod, ...) with an operand that float32 knows
+  /// to within a quarter of a jump's distance at best: "fract of a product of 43758.5 and a sine". Empty: there is
+  /// none.
   std::string jump;
   double operand_width = 0.0;  ///< of the jump: how far apart the operand's bounds are
 };

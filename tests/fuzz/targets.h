@@ -21,6 +21,7 @@ void run_snippet(std::string_view bytes);
 void run_molecule(std::string_view bytes);
 void run_table(std::string_view bytes);
 void run_cellpack(std::string_view bytes);
+void run_program(std::string_view bytes);
 
 struct Target {
   std::string_view name;
@@ -28,7 +29,8 @@ struct Target {
 };
 inline constexpr Target targets[] = {{"voml", run_voml},         {"lxn", run_lxn},     {"vectors", run_vectors},
                                      {"bitmap", run_bitmap},     {"mesh", run_mesh},   {"snippet", run_snippet},
-                                     {"molecule", run_molecule}, {"table", run_table}, {"cellpack", run_cellpack}};
+                                     {"molecule", run_molecule}, {"table", run_table}, {"cellpack", run_cellpack},
+                                     {"program", run_program}};
 
 /// Ends the process if `holds` is false: a finding.
 inline void must(bool holds, const char* what) {

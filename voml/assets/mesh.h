@@ -58,9 +58,9 @@ EdgeFaults find_edge_faults(const Mesh& mesh);
 /// A line for each kind of fault: how many edges have it, and where the first of them is.
 std::vector<std::string> describe(const EdgeFaults& edges);
 
-/// Tells for each triangle of a closed mesh whether its part (of triangles that hang together by vertices) holds a positive
-/// volume. Then its face looks outward; voids, and what is turned inside out, hold a negative one. A part that passes
-/// through itself is judged as a whole. Cost: linear.
+/// Tells for each triangle of a closed mesh whether its part (of triangles that hang together by vertices) holds a
+/// positive volume. Then its face looks outward; voids, and what is turned inside out, hold a negative one. A part that
+/// passes through itself is judged as a whole. Cost: linear.
 std::vector<bool> outward_triangles(const Mesh& mesh);
 
 /// The standard cube [-1,1]^3: 8 vertices, 12 triangles.

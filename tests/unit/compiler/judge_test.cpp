@@ -207,7 +207,8 @@ TEST_CASE("a box within a box is judged as by itself, and never otherwise") {
     Inquiry wide(*judge, judge->always(), snippet::Box{lo, lo + 0.1});
     for (int k = 0; k < 8; ++k) {
       const glm::dvec3 at = lo + random.point(0.0, 0.09);
-      const Verdict alone = verdict(*judge, at, at + 0.01), within = Inquiry(wide, snippet::Box{at, at + 0.01}).verdict();
+      const Verdict alone = verdict(*judge, at, at + 0.01),
+                    within = Inquiry(wide, snippet::Box{at, at + 0.01}).verdict();
       decided_alone += alone.decided, decided_within += within.decided;
       if (alone.decided && within.decided) CHECK(alone.region == within.region);
     }
