@@ -14,12 +14,19 @@ using Stage = vk::PipelineStageFlagBits;
 GpuBuffer Uploads::stage(std::span<const std::byte> bytes) {
   GpuBuffer staging = gpu_.make_buffer(bytes.size(), vk::BufferUsageFlagBits::eTransferSrc, MemoryUse::upload);
   std::memcpy(staging.mapped, bytes.data(), bytes.size());
+  staged_bytes_ += bytes.size();
   return staging;
+}
+
+void Uploads::finish_if_large() {
+  constexpr std::size_t most_staged = std::size_t{16} << 20;
+  if (staged_bytes_ > most_staged) finish();
 }
 
 GpuBuffer Uploads::add_buffer(std::span<const std::byte> bytes, vk::BufferUsageFlags usage) {
   GpuBuffer made = gpu_.make_buffer(bytes.size(), usage | vk::BufferUsageFlagBits::eTransferDst, MemoryUse::device);
   buffers_.push_back({stage(bytes), *made.buffer});
+  finish_if_large();
   return made;
 }
 
@@ -27,6 +34,7 @@ GpuImage Uploads::add_texture(std::span<const std::byte> texels, vk::Format form
   GpuImage made = gpu_.make_image(vk::ImageType::e3D, format, extent,
                                   vk::ImageUsageFlagBits::eSampled | vk::ImageUsageFlagBits::eTransferDst);
   textures_.push_back({stage(texels), *made.image, extent});
+  finish_if_large();
   return made;
 }
 
@@ -53,6 +61,7 @@ void Uploads::finish() {
   });
   buffers_.clear();
   textures_.clear();
+  staged_bytes_ = 0;
 }
 
 }  // namespace dmvv::runtime
