@@ -124,7 +124,9 @@ std::array<glm::dvec3, 9> directions(const glm::dvec3& normal) {
   const glm::dvec3 u = glm::normalize(glm::cross(normal, other)), v = glm::cross(normal, u);
   std::array<glm::dvec3, 9> result;
   for (int i = 0; i < 9; ++i) {
-    result[static_cast<std::size_t>(i)] = glm::normalize(normal + (i % 3 - 1.0) * u + (i / 3 - 1.0) * v);
+    const int column = i % 3 - 1, row = i / 3 - 1;
+    result[static_cast<std::size_t>(i)] =
+        glm::normalize(normal + static_cast<double>(column) * u + static_cast<double>(row) * v);
   }
   return result;
 }

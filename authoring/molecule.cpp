@@ -175,6 +175,7 @@ std::vector<ElementSeeds> element_seeds(std::span<const Atom> atoms, const Molec
     seeds.scales += vector_line(glm::dvec3(atom.element->radius / (local_ball_radius * frame.angstrom_per_unit)));
   }
   std::vector<ElementSeeds> result;
+  result.reserve(by_element.size());
   for (auto& [element, seeds] : by_element) result.push_back(std::move(seeds));
   std::ranges::stable_sort(result, {}, &ElementSeeds::count);
   return result;

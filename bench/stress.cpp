@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -392,7 +391,8 @@ void Runner::boundaries() {
         lattice(), 0, true);
   std::string seeds;  // 8^3 touching cubes: every cell border of their index is a face
   for (int i = 0; i < 512; ++i) {
-    seeds += fmt::format("{} {} {}\n", (i % 8 - 3.5) / 8.0, (i / 8 % 8 - 3.5) / 8.0, (i / 64 - 3.5) / 8.0);
+    const glm::ivec3 at(i % 8, i / 8 % 8, i / 64);
+    seeds += fmt::format("{} {} {}\n", (at.x - 3.5) / 8.0, (at.y - 3.5) / 8.0, (at.z - 3.5) / 8.0);
   }
   check("boundaries: index cells", "seeds whose cubes fill space without a gap, points on the cells' borders",
         {"<MVV><OBJECT name='C'><REGION name='R' type='color' rgb='1 0 0'/></OBJECT><OBJECT name='A'><REGION name='R' "

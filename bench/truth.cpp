@@ -124,8 +124,9 @@ const std::vector<glm::dvec4>& Truth::mean_colors(const runtime::Plane& slice, g
   for (std::uint32_t y = 0; y < size_px.y; ++y) {
     for (std::size_t i = 0; i < row.size(); ++i) {
       const std::size_t width = std::size_t{samples} * size_px.x;
-      row[i] = frame.origin + static_cast<double>(i % width) * frame.step_x +
-               static_cast<double>(y * samples + i / width) * frame.step_y;
+      const std::size_t of_samples = y * samples + i / width;
+      row[i] =
+          frame.origin + static_cast<double>(i % width) * frame.step_x + static_cast<double>(of_samples) * frame.step_y;
     }
     const Answers answers = ask(row, compiler::Filter::hardware);
     for (std::uint32_t x = 0; x < size_px.x; ++x) {

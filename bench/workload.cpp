@@ -192,7 +192,8 @@ Strokes strokes_of_text(std::uint32_t count) {
   const glm::dvec2 cell(1.9 / letters_a_line, 1.9 / lines);
   Strokes strokes{{}, std::min(0.3 * cell.x, 0.15 * cell.y)};
   for (std::uint32_t place = 0; strokes.ends.size() < count; ++place) {
-    const glm::dvec2 corner(-0.95 + cell.x * (place % letters_a_line), 0.95 - cell.y * (place / letters_a_line + 0.9));
+    const std::uint32_t column = place % letters_a_line, line = place / letters_a_line;
+    const glm::dvec2 corner(-0.95 + cell.x * column, 0.95 - cell.y * (line + 0.9));
     for (const std::string& stroke : letters[place % letters.size()]) {
       const auto end = [&](std::size_t k) {
         return corner + strokes.unit * glm::dvec2(stroke[k] - '0', stroke[k + 1] - '0');
