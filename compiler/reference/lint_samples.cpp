@@ -25,8 +25,9 @@ const std::vector<glm::dvec3>& border_points() {
       for (const double side : {-1.0, 1.0}) {
         for (int i = 0; i < border_samples * border_samples; ++i) {
           glm::dvec3 p(side);
-          p[(axis + 1) % 3] = 2.0 * (i % border_samples) / (border_samples - 1) - 1.0;
-          p[(axis + 2) % 3] = 2.0 * (i / border_samples) / (border_samples - 1) - 1.0;
+          const int column = i % border_samples, row = i / border_samples;
+          p[(axis + 1) % 3] = 2.0 * column / (border_samples - 1) - 1.0;
+          p[(axis + 2) % 3] = 2.0 * row / (border_samples - 1) - 1.0;
           result.push_back(p);
         }
       }

@@ -46,9 +46,8 @@ FrameImages::FrameImages(const Device::Impl& gpu, const vk::raii::DescriptorSetL
                          std::optional<GpuImage> spare)
     : gpu_(gpu), extent_(extent), outputs_(outputs) {
   make_scratch(needs);
-  for (std::size_t i = 0; i < kept_tiles(extent, tile_count); ++i) {
-    tiles_.push_back(make_tile(layout, i == 0 ? std::move(spare) : std::nullopt));
-  }
+  tiles_.push_back(make_tile(layout, std::move(spare)));
+  while (tiles_.size() < kept_tiles(extent, tile_count)) tiles_.push_back(make_tile(layout, std::nullopt));
   make_ready();
 }
 

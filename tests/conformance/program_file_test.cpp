@@ -154,8 +154,9 @@ TEST_CASE("a program whose parts do not fit each other is refused") {
          }
        }},
   };
-  for (const auto& [expected, change] : cases) {
-    const std::string message = refusal_of(program, change);
+  for (const auto& one : cases) {
+    const std::string& expected = one.first;
+    const std::string message = refusal_of(program, one.second);
     CAPTURE(expected);
     CAPTURE(message);
     CHECK(message.find(expected) != std::string::npos);

@@ -89,7 +89,9 @@ TEST_CASE("a byte order mark before any format") {
                                                        {"a.stl", stl_text()},
                                                        {"a.stl", stl_binary()},
                                                        {"a.stl", stl_binary("solid by name")}};
-  for (const auto& [path, bytes] : files) {
+  for (const auto& one : files) {
+    const auto& path = one.first;
+    const auto& bytes = one.second;
     CAPTURE(path);
     check_is_tetrahedron(mesh_of(path, bytes));
     check_is_tetrahedron(mesh_of(path, std::string(mark) + bytes));

@@ -342,8 +342,11 @@ TEST_CASE("files that are fine alone are fine together, whatever they call thing
       {"float frac(float x) { return 15.0; } |return frac(0.5);", 15},
       {"|return frac(0.5);", 0.5},
       {"#define float vec2\n|return length(float(16.0, 0.0));", 16}};
-  for (const auto& [first, first_value] : all) {
-    for (const auto& [second, second_value] : all) {
+  for (const auto& one : all) {
+    for (const auto& other : all) {
+      const auto& first = one.first;
+      const auto& second = other.first;
+      const auto first_value = one.second, second_value = other.second;
       CAPTURE(first);
       CAPTURE(second);
       const auto file = [](const std::string& text, const std::string& name) {
