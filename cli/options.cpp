@@ -122,15 +122,22 @@ compiler::CompileOptions compile_options(const CodegenChoice& choice) {
   return options;
 }
 
+namespace {
+
+session::Session timed_session(session::Options options, Context& context) {
+  return session::Session(std::move(options), [&context](const char* step) { context.stopwatch.lap(step); });
+}
+
+}  // namespace
+
 session::Session make_session(Context& context) {
-  return session::Session({.device = "", .validation = false, .caches = false},
-                          [&context](const char* step) { context.stopwatch.lap(step); });
+  return timed_session({.device = "", .validation = false, .caches = false}, context);
 }
 
 session::Session make_session(const DeviceChoice& choice, Context& context) {
   if (choice.no_cache) empty_driver_cache();
-  session::Session session({.device = choice.name, .validation = choice.validation, .caches = !choice.no_cache},
-                           [&context](const char* step) { context.stopwatch.lap(step); });
+  session::Session session =
+      timed_session({.device = choice.name, .validation = choice.validation, .caches = !choice.no_cache}, context);
   session.open_device();
   return session;
 }

@@ -94,6 +94,13 @@ std::vector<compiler::Cut> read_cuts(const ProbeOptions& options) {
   return cuts;
 }
 
+/// What is asked: points, or rays with their cuts.
+struct Questions {
+  std::vector<glm::dvec3> points;
+  std::vector<compiler::Ray> rays;
+  std::vector<compiler::Cut> cuts;
+};
+
 std::string quoted(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
@@ -201,12 +208,11 @@ std::string ray_text(const compiler::Ray& ray, const compiler::RayAnswer& answer
 }
 
 void follow_rays(const compiler::Module& module, const compiler::Reference::Options& reading,
-                 const ProbeOptions& options, Context& context) {
+                 const ProbeOptions& options, const Questions& asked, Context& context) {
   const compiler::RayReference reference(module, reading);
   const std::vector<compiler::RegionInfo> regions = compiler::legend(module);
-  const std::vector<compiler::Cut> cuts = read_cuts(options);
-  for (const compiler::Ray& ray : read_rays(options)) {
-    const compiler::RayAnswer answer = reference.along(ray, cuts, options.time_ms);
+  for (const compiler::Ray& ray : asked.rays) {
+    const compiler::RayAnswer answer = reference.along(ray, asked.cuts, options.time_ms);
     std::function<std::string(double)> cause;
     if (options.explain) {
       cause = [&](double t) { return cause_at(module, reference, reading.filter, ray, t, options.time_ms); };
@@ -216,7 +222,8 @@ void follow_rays(const compiler::Module& module, const compiler::Reference::Opti
   context.stopwatch.lap("rays");
 }
 
-int probe_reference(const ProbeOptions& options, std::span<const glm::dvec3> points, Context& context) {
+int probe_reference(const ProbeOptions& options, const Questions& asked, Context& context) {
+  const std::vector<glm::dvec3>& points = asked.points;
   Diagnostics diagnostics(options.scene.strict);
   session::Session session = make_session(context);
   const compiler::Module module = read_module(session, options.scene, context, diagnostics);
@@ -224,8 +231,8 @@ int probe_reference(const ProbeOptions& options, std::span<const glm::dvec3> poi
   print_diagnostics(diagnostics, context);
   compiler::Reference::Options reading;
   reading.filter = compile_options(options.codegen).filter;
-  if (!options.rays.empty()) {
-    follow_rays(module, reading, options, context);
+  if (!asked.rays.empty()) {
+    follow_rays(module, reading, options, asked, context);
     return exit_done;
   }
   const compiler::Reference reference(module, reading);
@@ -243,7 +250,8 @@ int probe_reference(const ProbeOptions& options, std::span<const glm::dvec3> poi
   return exit_done;
 }
 
-int probe_vulkan(const ProbeOptions& options, std::span<const glm::dvec3> points, Context& context) {
+int probe_vulkan(const ProbeOptions& options, const Questions& asked, Context& context) {
+  const std::vector<glm::dvec3>& points = asked.points;
   session::Session session = make_session(options.device, context);
   Diagnostics diagnostics(options.scene.strict);
   voml::Scene scene = must(session.read(scene_file(options.scene), diagnostics), diagnostics, context);
@@ -271,11 +279,9 @@ int probe(const ProbeOptions& options, Context& context) {
   if (!options.rays.empty() && options.backend != "reference")
     fail_usage("--ray: the reference alone follows rays", {"leave --backend out"});
   if (options.rays.empty() && !options.cuts.empty()) fail_usage("--cut is for --ray", {"leave it away"});
-  read_rays(options);
-  read_cuts(options);
-  const std::vector<glm::dvec3> points = read_points(options, context);
+  const Questions asked{read_points(options, context), read_rays(options), read_cuts(options)};
   const auto run = options.backend == "vulkan" ? probe_vulkan : probe_reference;
-  return run(options, points, context);
+  return run(options, asked, context);
 }
 
 }  // namespace
@@ -303,7 +309,8 @@ void add_probe(CLI::App& app, Invocation& invocation) {
       .add_option("--backend", options->backend,
                   "reference (default; double precision, on the CPU) or vulkan (the generated shader)")
       ->type_name("NAME");
-  command.add_flag("--json", options->json, "One JSON object a line: p, path, region, rgb");
+  command.add_flag("--json", options->json,
+                   "One JSON object a line: p, path, region, rgb; of a ray o, d, segments, rgba, depth, certain");
   command.add_flag(
       "--explain", options->explain,
       "Also tell what was asked on the way: every decision with its value and side, every candidate, down to "

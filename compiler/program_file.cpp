@@ -289,8 +289,7 @@ std::string hash_of(std::string_view bytes) {
 
 std::string write_program(const Program& program) {
   Writer writer;
-  Program copy = program;  // one telling of the fields serves both directions, and reading writes into them
-  writer(copy);
+  writer(const_cast<Program&>(program));  // one telling of the fields serves both directions; this one only reads them
   std::string bytes(mark);
   bytes.append(reinterpret_cast<const char*>(&format), sizeof format);
   bytes += hash_of(writer.bytes);

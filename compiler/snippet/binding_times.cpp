@@ -11,13 +11,6 @@ namespace {
 
 constexpr int most_rounds = 32;  // of the fixed point; more than a handful is no program of a person
 
-bool repeats(const Sequence& sequence) {
-  return std::ranges::any_of(sequence, [](const Node& node) {
-    if (node.kind == Node::Kind::loop) return false;
-    return node.kind == Node::Kind::repeat || repeats(node.body) || repeats(node.other);
-  });
-}
-
 }  // namespace
 
 Levels::Levels(const Program& program, bool only_t)

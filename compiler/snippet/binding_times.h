@@ -21,7 +21,6 @@ class Levels {
   Levels(const Program& program, bool only_t);
 
   Level of(Register r) const { return registers_[r]; }
-  Level of_array(Register array) const { return arrays_[array]; }
 
   /// Of what an instruction assigns.
   Level of(const Instruction& instruction) const;

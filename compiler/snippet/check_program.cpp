@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "compiler/snippet/operands.h"
+
 namespace dmvv::compiler::snippet {
 
 namespace {
@@ -57,8 +59,9 @@ class Check {
       if (op.operands[i] == 'a' ? operand >= program_.arrays.size() : !is_register(operand, op.operands[i]))
         return false;
     }
-    if (op.operands[0] == 'a' && array != type_of_letter(op.result == '-' ? op.operands[2] : op.result)) return false;
-    return op.result == '-' ||
+    if (op.operands[0] == 'a' && array != type_of_letter(is_store(instruction) ? op.operands[2] : op.result))
+      return false;
+    return is_store(instruction) ||
            (instruction.result >= program_.first_variable() && is_register(instruction.result, op.result));
   }
 

@@ -395,13 +395,6 @@ class Emitter {
     line("}}");
   }
 
-  static bool repeats(const Sequence& nodes) {
-    return std::ranges::any_of(nodes, [](const Node& node) {
-      if (node.kind == Node::Kind::loop) return false;
-      return node.kind == Node::Kind::repeat || repeats(node.body) || repeats(node.other);
-    });
-  }
-
   void block(const Node& node) {
     Sequence body = node.body;
     nest(body, 0);

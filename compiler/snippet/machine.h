@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "compiler/snippet/operands.h"
 #include "compiler/snippet/program.h"
 
 namespace dmvv::compiler::snippet {
@@ -76,7 +77,6 @@ void execute(const Instruction& instruction, Cell<Domain>* cells) {
 inline bool is_copy(Op op) { return op >= Op::f_copy && op <= Op::b_copy; }
 inline bool is_choice(Op op) { return op >= Op::f_select && op <= Op::b_select; }
 inline bool is_load(Op op) { return op >= Op::f_load && op <= Op::b_load; }
-inline bool is_store(Op op) { return op >= Op::f_store && op <= Op::b_store; }
 
 /// Where each array begins in one run of cells; one entry more than there are arrays.
 inline std::vector<std::size_t> array_starts(const Program& program) {

@@ -16,6 +16,7 @@ void for_operands(const Instruction& instruction, Use use) {
 }
 
 /// Into an array, whose number is operand 0; it has no result.
-inline bool is_store(const Instruction& instruction) { return info(instruction.op).result == '-'; }
+inline bool is_store(Op op) { return op >= Op::f_store && op <= Op::b_store; }
+inline bool is_store(const Instruction& instruction) { return is_store(instruction.op); }
 
 }  // namespace dmvv::compiler::snippet

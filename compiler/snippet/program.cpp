@@ -128,6 +128,13 @@ std::uint32_t nesting(const Sequence& sequence) {
   return deepest;
 }
 
+bool repeats(const Sequence& body) {
+  return std::ranges::any_of(body, [](const Node& node) {
+    if (node.kind == Node::Kind::loop) return false;
+    return node.kind == Node::Kind::repeat || repeats(node.body) || repeats(node.other);
+  });
+}
+
 std::string to_text(const Program& program) {
   std::string out;
   for (std::size_t i = 0; i < program.arrays.size(); ++i) {

@@ -127,6 +127,9 @@ struct Program {
 /// may leave its block or loop counts as inside its other side.
 std::uint32_t nesting(const Sequence& sequence);
 
+/// Does something in the body of a loop repeat that loop? Loops within have repeats of their own.
+bool repeats(const Sequence& body);
+
 /// The program as text, stable: for tests and for reading.
 ///   v0:f = f_copy c1(0.5)
 std::string to_text(const Program& program);

@@ -6,6 +6,8 @@
 #include <functional>
 #include <utility>
 
+#include "compiler/snippet/operands.h"
+
 namespace dmvv::compiler::snippet {
 
 namespace {
@@ -18,7 +20,6 @@ Op copy_op(Type type) {
 }
 
 bool is_array_op(Op op) { return info(op).operands[0] == 'a'; }
-bool is_store(Op op) { return info(op).result == '-'; }
 
 /// Calls visit(register&) for each register an instruction reads.
 template <class Instr, class Visit>

@@ -4,6 +4,7 @@
 
 #include "compiler/snippet/device_values.h"
 #include "compiler/snippet/evaluate.h"
+#include "compiler/snippet/operands.h"
 #include "compiler/snippet/time_values.h"
 
 namespace dmvv::compiler::snippet {
@@ -15,12 +16,12 @@ const TimeSplit& Snippet::time_split() const { return *split_; }
 
 bool Snippet::uses_time() const {
   return program_->result == Program::t ||
-         std::any_of(program_->instructions.begin(), program_->instructions.end(), [](const Instruction& instruction) {
-           const std::string_view letters = info(instruction.op).operands;
-           for (std::size_t i = 0; i < letters.size(); ++i) {
-             if (letters[i] != 'a' && instruction.operands[i] == Program::t) return true;
-           }
-           return false;
+         std::ranges::any_of(program_->instructions, [](const Instruction& instruction) {
+           bool reads = false;
+           for_operands(instruction, [&](std::size_t k, char letter) {
+             reads = reads || (letter != 'a' && instruction.operands[k] == Program::t);
+           });
+           return reads;
          });
 }
 

@@ -9,13 +9,21 @@
 
 namespace dmvv::fuzz {
 
+namespace {
+
+/// What every file begins with, up to the hash: as the writer has it.
+std::string mark_and_format() {
+  constexpr std::size_t end = std::string_view("dmvv program\n").size() + sizeof(std::uint32_t);
+  return compiler::write_program({}).substr(0, end);
+}
+
+}  // namespace
+
 /// The bytes stand behind a header that fits them: the hash would refuse nearly everything else.
 void run_program(std::string_view bytes) {
-  const std::uint32_t format = 1;
   ContentHash hash;
   hash.add(bytes);
-  std::string file = "dmvv program\n";
-  file.append(reinterpret_cast<const char*>(&format), sizeof format);
+  std::string file = mark_and_format();
   file += hash.digits();
   file += bytes;
   const auto program = compiler::read_program(file, "p.dmvv");

@@ -58,13 +58,18 @@ inline void translate(compiler::Program& program) {
 }
 
 /// Compiles and makes SPIR-V of all kernels.
-inline compiler::Program compiled(const compiler::Module& module, const compiler::CompileOptions& options = {}) {
+inline compiler::Build built(const compiler::Module& module, const compiler::CompileOptions& options) {
   Diagnostics diagnostics;
-  auto program = compiler::compile(module, options, diagnostics);
+  auto build = compiler::build(module, options, diagnostics);
   INFO(diagnostics.render());
-  REQUIRE(program.has_value());
-  translate(*program);
-  return std::move(*program);
+  REQUIRE(build.has_value());
+  translate(build->program);
+  return std::move(*build);
+}
+
+/// The program alone.
+inline compiler::Program compiled(const compiler::Module& module, const compiler::CompileOptions& options = {}) {
+  return built(module, options).program;
 }
 
 /// Likewise, with the judge that is made beside a program for many frames.
@@ -73,13 +78,8 @@ struct Judged {
   std::shared_ptr<const compiler::Judge> judge;
 };
 inline Judged judged(const compiler::Module& module, const compiler::CompileOptions& options) {
-  Diagnostics diagnostics;
-  auto build = compiler::build(module, options, diagnostics);
-  INFO(diagnostics.render());
-  REQUIRE(build.has_value());
-  translate(build->program);
-  return {std::move(build->program),
-          compiler::make_judge(std::move(build->module), std::move(build->records), options)};
+  compiler::Build build = built(module, options);
+  return {std::move(build.program), compiler::make_judge(std::move(build.module), std::move(build.records), options)};
 }
 
 }  // namespace dmvv::tests
