@@ -29,21 +29,25 @@ struct RenderOptions {
 struct AovPaths {
   std::string region;
   std::string depth;
+  std::string doubt;
 };
 
-/// Reads "region=FILE", "depth=FILE", and both with a comma between. A comma within a name stays.
+/// Reads "region=FILE", "depth=FILE", "doubt=FILE", and several with commas between. A comma within a name stays.
 AovPaths parse_aovs(const std::vector<std::string>& words) {
   AovPaths paths;
   for (std::string rest : words) {
     while (!rest.empty()) {
-      const std::size_t comma = std::min(rest.find(",region="), rest.find(",depth="));
+      const std::size_t comma = std::min({rest.find(",region="), rest.find(",depth="), rest.find(",doubt=")});
       const std::string word = rest.substr(0, comma);
       rest = comma == std::string::npos ? "" : rest.substr(comma + 1);
       const std::size_t equals = word.find('=');
       const std::string name = word.substr(0, equals);
-      std::string* const path = name == "region" ? &paths.region : name == "depth" ? &paths.depth : nullptr;
+      std::string* const path = name == "region"  ? &paths.region
+                                : name == "depth" ? &paths.depth
+                                : name == "doubt" ? &paths.doubt
+                                                  : nullptr;
       if (!path || equals == std::string::npos || equals + 1 == word.size()) {
-        fail_usage(fmt::format("--aov: cannot read '{}'", word), {"write region=FILE or depth=FILE"});
+        fail_usage(fmt::format("--aov: cannot read '{}'", word), {"write region=FILE, depth=FILE or doubt=FILE"});
       }
       if (!path->empty()) fail_usage(fmt::format("--aov: {} is asked for twice", name));
       *path = word.substr(equals + 1);
@@ -77,6 +81,7 @@ void announce(Outputs& outputs, const RenderOptions& options, const AovPaths& ao
     outputs.announce(with_ending(aovs.region, ".json"));
   }
   if (!aovs.depth.empty()) outputs.announce(aovs.depth, {".exr"});
+  if (!aovs.doubt.empty()) outputs.announce(aovs.doubt, {".exr", ".png", ".tif", ".tiff"});
 }
 
 void write(Outputs& outputs, const RenderOptions& options, const AovPaths& aovs, const runtime::Picture& picture,
@@ -89,17 +94,35 @@ void write(Outputs& outputs, const RenderOptions& options, const AovPaths& aovs,
   if (!aovs.depth.empty()) {
     outputs.write(aovs.depth, [&](const std::string& path) { return runtime::write_depth(path, picture); });
   }
+  if (!aovs.doubt.empty()) {
+    outputs.write(aovs.doubt, [&](const std::string& path) { return runtime::write_doubt(path, picture); });
+  }
   outputs.commit();
 }
 
+/// "; 0.02 % of its rays may miss something thin", or nothing.
+std::string doubt_of(const runtime::Picture& picture, const runtime::View& view) {
+  if (picture.doubtful_rays == 0) return {};
+  const double rays = double(view.size_px.x) * view.size_px.y * view.samples * view.samples;
+  return fmt::format("; {:.2g} % of its rays may miss something thin",
+                     100.0 * static_cast<double>(picture.doubtful_rays) / rays);
+}
+
 /// A newcomer's puzzle: a scene that ends within the mesh leaves nothing on the mesh to be seen. Says what helps.
-void warn_of_nothing(const runtime::Picture& picture, const runtime::View& view, const Context& context) {
+void warn_of_nothing(const runtime::Picture& picture, const runtime::View& view, const voml::Bounds& content,
+                     const Context& context) {
   if (context.quiet || runtime::shows_something(picture)) return;
+  if (view.rays) {
+    return print_warning(fmt::format(
+        "nothing to see: no ray meets anything; all that the scene holds lies between ({:.3g}, {:.3g}, {:.3g}) and "
+        "({:.3g}, {:.3g}, {:.3g}): look there (--camera), or cut less away",
+        content.lo.x, content.lo.y, content.lo.z, content.hi.x, content.hi.y, content.hi.z));
+  }
   if (view.slice) return print_warning("nothing to see: the scene is empty on this section");
   print_warning(
-      fmt::format("nothing to see: the scene is empty wherever {} is seen; cut it open (--cut \"0 0 1 0\"), draw a "
-                  "section (--slice z=0), or make a support mesh of the scene's own surface (dmvv mesh)",
-                  view.mesh ? "the support mesh" : "the standard cube"));
+      "nothing to see: the scene is empty wherever the support mesh is seen; draw without it, or make one of the "
+      "scene's "
+      "own surface (dmvv mesh)");
 }
 
 int render(const RenderOptions& options, Context& context) {
@@ -109,9 +132,12 @@ int render(const RenderOptions& options, Context& context) {
   const AovPaths aovs = parse_aovs(options.aovs);
   view.want_regions = !aovs.region.empty();
   view.want_depth = !aovs.depth.empty();
+  view.want_doubt = !aovs.doubt.empty();
   if (options.picture.ends_with(".png")) view.colors = runtime::Colors::bytes;
-  const compiler::CompileOptions form = compile_options(options.codegen);
+  compiler::CompileOptions form = compile_options(options.codegen);
   view.disabled_passes = form.disabled_passes;
+  view.rays = options.view.mesh.empty() && options.view.slice.empty();
+  form.rays = view.rays;
   Outputs outputs;
   announce(outputs, options, aovs);
 
@@ -119,21 +145,24 @@ int render(const RenderOptions& options, Context& context) {
   Diagnostics diagnostics(options.scene.strict);
   voml::Scene scene = must(session.read(scene_file(options.scene), diagnostics), diagnostics, context);
   place_camera(view, options.view, disk_files(), context, diagnostics);
-  session.prepare_surface(view);
+  if (!view.rays) session.prepare_surface(view);
   runtime::Timings timings;
   auto [program, evaluator] =
-      load(session, std::move(scene), form, compiler::Source::surface, context, diagnostics, &timings);
+      load(session, std::move(scene), form, view.rays ? compiler::Source::rays : compiler::Source::surface, context,
+           diagnostics, &timings);
+  if (view.rays && options.view.camera.empty())
+    view.camera = runtime::default_camera(program.content, view.size_px, view.cuts);
   const runtime::Picture picture = must(evaluator.render(view, &timings));
   context.stopwatch.lap(timings, "other");
 
   warn_of_edges(picture.edges, options.view, context);
-  warn_of_nothing(picture, view, context);
+  warn_of_nothing(picture, view, program.content, context);
   if (const int exit_code = exit_code_of(session.validation_messages()); exit_code != exit_done) return exit_code;
   write(outputs, options, aovs, picture, program.regions);
   context.stopwatch.lap("encode");
   if (!context.quiet) {
-    print_result(fmt::format("{}: {}x{}, {:.2f} s on {}\n", options.picture, picture.size_px.x, picture.size_px.y,
-                             context.stopwatch.seconds(), must(session.device()).info().name));
+    print_result(fmt::format("{}: {}x{}, {:.2f} s on {}{}\n", options.picture, picture.size_px.x, picture.size_px.y,
+                             context.stopwatch.seconds(), must(session.device()).info().name, doubt_of(picture, view)));
   }
   return exit_done;
 }
@@ -148,7 +177,8 @@ void add_render(CLI::App& app, Invocation& invocation) {
   add_view_options(command, options->view);
   command
       .add_option("--aov", options->aovs,
-                  "More pictures: region=FILE (numbers, with a .json legend beside it), depth=FILE (.exr)")
+                  "More pictures: region=FILE (numbers, with a .json legend beside it), depth=FILE (.exr), "
+                  "doubt=FILE (where a ray may miss something thin)")
       ->type_name("KIND=FILE")
       ->allow_extra_args(false);
   add_time_option(command, options->time_ms);

@@ -31,9 +31,17 @@ namespace {
 
 constexpr std::uint32_t max_depth = 256;  // a walker's stack of 32-byte frames must fit private memory
 
-/// Is there a kernel that tells how far answers hold?
-bool tells_reach(const CompileOptions& options) {
+bool has_leaders(const CompileOptions& options) {
   return options.many_frames && writes_code(options) && is_enabled(options, "reach");
+}
+bool has_rays(const CompileOptions& options) { return options.rays && options.codegen != Codegen::thesis; }
+
+/// Is there a kernel that tells how far answers hold?
+bool tells_reach(const CompileOptions& options) { return has_leaders(options) || has_rays(options); }
+
+bool has_kernel(const CompileOptions& options, const KernelSpec& kernel) {
+  if (kernel.source == Source::rays || kernel.source == Source::hits) return has_rays(options);
+  return !kernel.query.radius || has_leaders(options);
 }
 
 GridStorage grid_storage(const Module& module, const CompileOptions& options) {
@@ -104,10 +112,10 @@ std::vector<Shader> write_shaders(const Evaluation& evaluation, std::uint32_t de
   return shaders;
 }
 
-void write_kernels(Program& program, const Evaluation& evaluation, RecordAccess access) {
+void write_kernels(Program& program, const Evaluation& evaluation, RecordAccess access, const CompileOptions& options) {
   for (Buffer& buffer : program.buffers) buffer.form = find_scene_buffer(buffer.binding)->form(access);
   for (const KernelSpec& kernel : kernel_specs) {
-    if (kernel.query.radius && !evaluation.uses.reach) continue;
+    if (!has_kernel(options, kernel)) continue;
     program.kernels.push_back({kernel, write_shaders(evaluation, program.depth, kernel, access)});
   }
 }
@@ -297,8 +305,8 @@ struct Written {
 Written write_evaluation(const Module& module, const Atlases& atlases, const Tapes& tapes,
                          const CompileOptions& options) {
   const bool has_code = writes_code(options);
-  const auto steepness = tells_reach(options) ? source_steepness(module, options.atlas_format, options.filter)
-                                              : std::vector<snippet::Steepness>{};
+  const auto steepness =
+      tells_reach(options) ? source_steepness(module, options.atlas_format, options.filter) : std::vector<Steepness>{};
   const GlslOptions glsl_options{
       .codegen = options.codegen,
       .inlined_line_budget = options.inlined_line_budget,
@@ -310,7 +318,8 @@ Written write_evaluation(const Module& module, const Atlases& atlases, const Tap
       .unite_shapes = has_code && is_enabled(options, "unite-shapes"),
       .stages = has_code && is_enabled(options, "stages") ? std::optional(options.stages) : std::nullopt,
       .write_stages = options.many_frames,
-      .steepness = tells_reach(options) ? &steepness : nullptr};
+      .steepness = tells_reach(options) ? &steepness : nullptr,
+      .rays = has_rays(options)};
   const auto write = [&](std::vector<SeedChain> chains) {
     Records records = options.codegen == Codegen::thesis
                           ? flatten_thesis(module, atlases.grids, atlases.bitmaps)
@@ -341,13 +350,15 @@ std::optional<Build> build(Module module, const CompileOptions& options, Diagnos
   program.codegen = options.codegen;
   program.regions = legend(module);
   program.depth = module.depth;
+  const LocalBox& content = at(module.objects, module.root).content;
+  program.content = {content.lo, content.hi};
   program.time_slots = std::move(written.evaluation.time_slots);
   program.statistics.bytes.atlas_fill = atlases->grids.fill;
   if (written.evaluation.uses.grid_atlas) add_texture(program, std::move(atlases->grids));
   if (written.evaluation.uses.bitmap_atlas) add_texture(program, std::move(atlases->bitmaps));
   const SceneContents contents{written.records, *tapes, written.evaluation};
   add_buffers(program, contents);
-  write_kernels(program, written.evaluation, record_access(program, options));
+  write_kernels(program, written.evaluation, record_access(program, options), options);
   add_statistics(program, module, contents);
   if (!check_buffers(program, options.max_storage_buffer, diagnostics)) return std::nullopt;
   return Build{std::move(program), std::move(module), std::move(written.records)};

@@ -39,6 +39,8 @@ struct CompileOptions {
   /// The program will draw many frames. It then also has the kernel `leaders`, and `pixels` in stages; it takes longer
   /// to compile. Only code that is written for the scene has them: ignored for thesis and table.
   bool many_frames = false;
+  /// The program will draw pictures by rays: it then has the kernels `rays` and `normals`. Ignored for thesis.
+  bool rays = false;
   StageOptions stages;
   TapeOptions tapes;                         ///< `shorten` is what the pass says
   std::vector<std::string> disabled_passes;  ///< names of pass_names()
@@ -94,9 +96,10 @@ std::optional<Program> compile(Module module, const CompileOptions& options, Dia
 /// `build` left; null for Codegen::thesis, whose answers nothing proves.
 std::shared_ptr<const Judge> make_judge(Module module, Records records, const CompileOptions& options);
 
-/// Compiles the kernels that ask about points of this source, shader by shader, to SPIR-V 1.5 for Vulkan 1.2 with
-/// glslang, and checks it with spirv-val. `cache` is asked first, and told of what compiled.
-/// Errors: text that does not compile or validate is a bug of the generator; the error carries both logs.
+/// Compiles the kernels that ask about points of this source (of rays: all that draw pictures by rays), shader by
+/// shader, to SPIR-V 1.5 for Vulkan 1.2 with glslang, and checks it with spirv-val. `cache` is asked first, and told of
+/// what compiled. Errors: text that does not compile or validate is a bug of the generator; the error carries both
+/// logs.
 Result<void> to_spirv(Program& program, Source source, const CodeCache& cache = {});
 
 /// What spirv-val says of code for Vulkan 1.2: empty if it is valid.

@@ -14,6 +14,7 @@
 #include "compiler/layout/resources.h"
 #include "compiler/plan/codegen.h"
 #include "compiler/snippet/time_slot.h"
+#include "voml/assets/mesh.h"
 
 namespace dmvv::compiler {
 
@@ -80,9 +81,10 @@ struct Program {
   std::vector<Buffer> buffers;
   std::vector<Texture> textures;
   std::vector<Kernel> kernels;
-  std::vector<RegionInfo> regions;            ///< every region of the module, in its order
-  std::uint32_t depth = 1;                    ///< most steps a path can have
-  std::vector<snippet::TimeSlot> time_slots;  ///< the buffer `time_values`; empty in a static scene
+  std::vector<RegionInfo> regions;                          ///< every region of the module, in its order
+  std::uint32_t depth = 1;                                  ///< most steps a path can have
+  voml::Bounds content{glm::dvec3(-1.0), glm::dvec3(1.0)};  ///< at no time is anything beyond; root coordinates
+  std::vector<snippet::TimeSlot> time_slots;                ///< the buffer `time_values`; empty in a static scene
   Statistics statistics;
 
   /// The kernel of that name; null if the program has none.

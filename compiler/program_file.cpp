@@ -20,7 +20,7 @@ namespace dmvv::compiler {
 namespace {
 
 constexpr std::string_view mark = "dmvv program\n";
-constexpr std::uint32_t format = 1;
+constexpr std::uint32_t format = 2;
 constexpr std::size_t hash_digits = 32;
 constexpr std::uint32_t most_nested = 256;  // lists within lists of one kind: sequences of a snippet
 constexpr std::uint32_t longest_extent = 16384;
@@ -99,8 +99,12 @@ void fields(Archive& a, Statistics& x) {
   a(x.scene, x.bytes, x.code, x.shared, x.objects, x.tapes);
 }
 template <class Archive>
+void fields(Archive& a, voml::Bounds& x) {
+  a(x.lo.x, x.lo.y, x.lo.z, x.hi.x, x.hi.y, x.hi.z);
+}
+template <class Archive>
 void fields(Archive& a, Program& x) {
-  a(x.codegen, x.buffers, x.textures, x.kernels, x.regions, x.depth, x.time_slots, x.statistics);
+  a(x.codegen, x.buffers, x.textures, x.kernels, x.regions, x.depth, x.content, x.time_slots, x.statistics);
 }
 
 template <class T>

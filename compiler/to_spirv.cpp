@@ -37,11 +37,17 @@ Result<void> compile_shader(Shader& shader, const CodeCache& cache) {
   return {};
 }
 
+/// Pictures by rays are coloured like all others.
+bool asks_about(const KernelSpec& kernel, Source source) {
+  return kernel.source == source ||
+         (source == Source::rays && (kernel.source == Source::hits || kernel.name == pixels_kernel.name));
+}
+
 }  // namespace
 
 Result<void> to_spirv(Program& program, Source source, const CodeCache& cache) {
   for (Kernel& kernel : program.kernels) {
-    if (kernel.spec.source != source) continue;
+    if (!asks_about(kernel.spec, source)) continue;
     for (Shader& shader : kernel.shaders) {
       if (auto made = compile_shader(shader, cache); !made) return made;
     }

@@ -1,6 +1,6 @@
 // How an evaluation reads the records that each point finds by an index of its own: from storage buffers, or from texels
 // of storage texel buffers (DMVV_TEXELS; compiler/program.h: RecordAccess). Comes after shaders/records.h and the
-// bindings. Set by the generator where there are such records: DMVV_LISTS, DMVV_PLACEMENTS, DMVV_SCALINGS,
+// bindings. Set by the generator where there are such records: DMVV_LISTS, DMVV_GAPS, DMVV_PLACEMENTS, DMVV_SCALINGS,
 // DMVV_PARAMETERS, DMVV_TAPES.
 
 #ifdef DMVV_LISTS
@@ -10,6 +10,14 @@ uint list_at(uint i) { return imageLoad(lists, int(i)).x; }
 #else
 uint cell_at(uint i) { return cells[i]; }
 uint list_at(uint i) { return lists[i]; }
+#endif
+#endif
+
+#ifdef DMVV_GAPS
+#ifdef DMVV_TEXELS
+uint gap_at(uint i) { return imageLoad(gaps, int(i)).x; }
+#else
+uint gap_at(uint i) { return gaps[i]; }
 #endif
 #endif
 

@@ -5,7 +5,11 @@ layout(local_size_x = DMVV_PIXELS_GROUP_SIZE) in;
 layout(constant_id = DMVV_CONST_LISTED) const bool listed = false;
 layout(constant_id = DMVV_CONST_BYTES) const bool as_bytes = false;
 layout(constant_id = DMVV_CONST_REGIONS) const bool with_regions = true;
+#ifdef DMVV_DRAWS_SURFACE
+layout(set = 1, binding = DMVV_BIND_SURFACE, rgba32ui) uniform uimage2D surface_image;
+#else
 layout(set = 1, binding = DMVV_BIND_SURFACE, rgba32ui) readonly uniform uimage2D surface_image;
+#endif
 layout(set = 1, binding = DMVV_BIND_COLOR, rgba32f) writeonly uniform image2D color_image;
 layout(set = 1, binding = DMVV_BIND_BYTES, r32ui) writeonly uniform uimage2D bytes_image;
 layout(set = 1, binding = DMVV_BIND_REGION, r32ui) writeonly uniform uimage2D region_image;

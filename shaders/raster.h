@@ -5,13 +5,10 @@
 #ifdef __cplusplus
 #include <cstdint>
 #include <glm/vec4.hpp>
-namespace dmvv::gpu {
-using uint = std::uint32_t;
-using vec4 = glm::vec4;
-using uvec4 = glm::uvec4;
-#endif
 
-#define DMVV_MAX_CUTS 64
+#include "shaders/records.h"
+namespace dmvv::gpu {
+#endif
 
 // Bindings of their descriptor set.
 #define DMVV_RASTER_PARAMS 0

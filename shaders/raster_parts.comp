@@ -4,6 +4,7 @@
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
 #endif
+#include "shaders/records.h"
 #include "shaders/raster.h"
 #include "shaders/cuts.glsl"
 #include "shaders/triangle.glsl"

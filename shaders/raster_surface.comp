@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "shaders/raster.h"
 #include "shaders/records.h"
+#include "shaders/raster.h"
 #include "shaders/cuts.glsl"
 #include "shaders/triangle.glsl"
 #include "shaders/surface.glsl"

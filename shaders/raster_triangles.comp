@@ -6,6 +6,7 @@
 #endif
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_ballot : require
+#include "shaders/records.h"
 #include "shaders/raster.h"
 #include "shaders/cuts.glsl"
 #include "shaders/triangle.glsl"

@@ -1,18 +1,59 @@
 // How far an answer holds: while it is found, what each step says of the points nearby is kept. Comes after
 // shaders/evaluate.glsl, in programs whose generator was told how steep their sources are (compiler/proofs/steepness.h).
-// DMVV_QUERY_RADIUS: the kernel asks; in the others all of this is nothing.
-#ifdef DMVV_QUERY_RADIUS
+// DMVV_QUERY_RADIUS: the kernel asks how far. DMVV_QUERY_GRADIENT: it asks what decides the boundary nearest to the point.
+// In the other kernels all of this is nothing.
+#if defined(DMVV_QUERY_RADIUS) || defined(DMVV_QUERY_GRADIENT)
 
 // All points within this distance of the point (root coordinates) get the same answer; not positive: nothing is known.
 float reach = 3.0e38;
+// The same if nothing was rounded, as far as boundaries go: close to one, it falls to 0 as evenly as the source does.
+float margin = 3.0e38;
 
 // The frame that points are in: a step in the root is at most so many times as long here; and how far a point here may be
 // off, as a step in the root.
 struct Local {
   float stretch;
   float error;
+#ifdef DMVV_QUERY_GRADIENT
+  mat3 linear;  // a step in the root -> the step here
+#endif
 };
-Local local = Local(1.0, 0.0);
+
+Local local_of(float stretch, float error, mat3 linear) {
+#ifdef DMVV_QUERY_GRADIENT
+  return Local(stretch, error, linear);
+#else
+  return Local(stretch, error);
+#endif
+}
+Local local = local_of(1.0, 0.0, mat3(1.0));
+
+#ifdef DMVV_QUERY_GRADIENT
+// What the nearest boundary is of, as far as is known: the source of an SDF, or the wall of a box.
+uint decider = DMVV_NO_DECIDER;
+vec3 decider_p = vec3(0.0);  // the point there, or for a wall its normal
+mat3 decider_linear = mat3(1.0);
+float decider_distance = 3.0e38;
+
+// Most walls are no boundaries: so much nearer than any source one must be, in root units.
+const float least_wall = 1e-5;
+
+void decide(float distance, uint what, vec3 p) {
+  if (!(distance / local.stretch < decider_distance)) return;
+  decider_distance = distance / local.stretch;
+  decider = what;
+  decider_p = p;
+  decider_linear = local.linear;
+}
+vec3 wall_normal(vec3 q, vec3 d) {
+  vec3 is_nearest = vec3(equal(d, vec3(max(d.x, max(d.y, d.z)))));
+  return is_nearest * mix(vec3(-1.0), vec3(1.0), greaterThan(q, vec3(0.0)));
+}
+#else
+const float least_wall = 0.0;
+void decide(float distance, uint what, vec3 p) {}
+vec3 wall_normal(vec3 q, vec3 d) { return vec3(0.0); }
+#endif
 
 // The answer may change once some quantity has changed by `distance`; that quantity changes at most `slope` per unit of the
 // current frame. Shrinks `reach` accordingly.
@@ -21,39 +62,66 @@ void limit(float distance, float slope) {
   reach = steps >= reach ? reach : steps < reach ? steps : -1.0;  // of NaN: nothing is known
 }
 
-bool below(float value, float iso, float slope, float error) {
-  limit(abs(value - iso) - error, slope);
+void near_boundary(float distance) { margin = min(margin, distance / local.stretch); }
+
+// The value is that of the source of `sdf` (an index into sdfs, with DMVV_AT_SOURCE where p is a point of its own frame).
+// Of values nearer to iso than `widths` it changes at most by 1 / flatness (compiler/proofs/steepness.h).
+bool below(float value, float iso, vec2 widths, vec3 flatness, float error, uint sdf, vec3 p) {
+  float u = abs(value - iso) - error;
+  limit(dot(vec3(min(u, widths.x), clamp(u - widths.x, 0.0, widths.y - widths.x), max(u - widths.y, 0.0)), flatness), 1.0);
+  near_boundary(abs(value - iso) * flatness.x);
+  decide(abs(value - iso), sdf, p);
   return value <= iso;
 }
 
-// To the next wall of a box.
+// To the next wall of a box beyond which something is not asked.
 void limit_box(vec3 q, vec3 lo, vec3 hi, float slope, float error) {
   vec3 d = max(lo - q, q - hi);
-  limit(abs(max(d.x, max(d.y, d.z))) - error, slope);
+  float wall = abs(max(d.x, max(d.y, d.z)));
+  limit(wall - error, slope);
+  near_boundary(wall);
+  decide(wall + least_wall * local.stretch, DMVV_WALL, wall_normal(q - 0.5 * (lo + hi), d));
 }
-void limit_cube(vec3 q, float slope, float error) {
+void limit_cube(vec3 q, float slope, float error) { limit_box(q, vec3(-1.0), vec3(1.0), slope, error); }
+
+// To where q is wrapped: beyond it other values begin.
+void limit_tile(vec3 q) {
   vec3 a = abs(q);
-  limit(abs(1.0 - max(a.x, max(a.y, a.z))) - error, slope);
+  limit(1.0 - max(a.x, max(a.y, a.z)), 1.0);
 }
 
-// To where a lookup cell's list ends, a margin behind its next wall; behind the grid's own walls nothing new is listed.
-void limit_cell(vec3 p, vec3 lo, vec3 cells_per_unit, uvec3 size) {
+// To where a lookup cell's list ends, a margin behind its next wall; behind the grid's own walls nothing new is listed. An
+// empty list goes on as far as all lists around are empty.
+#ifdef DMVV_GAPS
+void limit_cell(vec3 p, vec3 lo, vec3 cells_per_unit, uvec3 size, uint first_cell) {
   vec3 f = (p - lo) * cells_per_unit;
   vec3 c = clamp(floor(f), vec3(0.0), vec3(size - 1u));
-  vec3 below_p = mix(f - c, vec3(3.0e38), lessThanEqual(c, vec3(0.0)));
-  vec3 above_p = mix(c + 1.0 - f, vec3(3.0e38), greaterThanEqual(c, vec3(size - 1u)));
+  uvec3 i = uvec3(c);
+  float rings = max(float(gap_at(first_cell + (i.z * size.y + i.y) * size.x + i.x)) - 1.0, 0.0);
+  vec3 below_p = mix(f - c + rings, vec3(3.0e38), lessThanEqual(c - rings, vec3(0.0)));
+  vec3 above_p = mix(c + 1.0 - f + rings, vec3(3.0e38), greaterThanEqual(c + rings, vec3(size - 1u)));
   vec3 d = (min(below_p, above_p) + DMVV_CELL_MARGIN - 4e-7 * vec3(size)) / cells_per_unit;
   limit(min(d.x, min(d.y, d.z)), 1.0);
+}
+#endif
+
+mat3 linear_of(AffineRows a) { return transpose(mat3(a.x.xyz, a.y.xyz, a.z.xyz)); }
+mat3 within(Local outer, mat3 linear) {
+#ifdef DMVV_QUERY_GRADIENT
+  return linear * outer.linear;
+#else
+  return linear;
+#endif
 }
 
 // A frame within `outer`. `skew` is what the largest stretch is of the longest row; `error` what a point is off there, as a
 // step in the outer frame.
 Local placed(Local outer, AffineRows a, float skew, float error) {
   float longest = max(dot(a.x.xyz, a.x.xyz), max(dot(a.y.xyz, a.y.xyz), dot(a.z.xyz, a.z.xyz)));
-  return Local(outer.stretch * skew * sqrt(longest), outer.error + error / outer.stretch);
+  return local_of(outer.stretch * skew * sqrt(longest), outer.error + error / outer.stretch, within(outer, linear_of(a)));
 }
-Local scaled(Local outer, float stretch, float error) {
-  return Local(outer.stretch * stretch, outer.error + error / outer.stretch);
+Local scaled(Local outer, float stretch, float error, mat3 linear) {
+  return local_of(outer.stretch * stretch, outer.error + error / outer.stretch, within(outer, linear));
 }
 
 #else
@@ -63,11 +131,12 @@ struct Local {
 };
 Local local = Local(0.0);
 void limit(float distance, float slope) {}
-bool below(float value, float iso, float slope, float error) { return value <= iso; }
+bool below(float value, float iso, vec2 widths, vec3 flatness, float error, uint sdf, vec3 p) { return value <= iso; }
 void limit_box(vec3 q, vec3 lo, vec3 hi, float slope, float error) {}
 void limit_cube(vec3 q, float slope, float error) {}
-void limit_cell(vec3 p, vec3 lo, vec3 cells_per_unit, uvec3 size) {}
+void limit_tile(vec3 q) {}
+void limit_cell(vec3 p, vec3 lo, vec3 cells_per_unit, uvec3 size, uint first_cell) {}
 Local placed(Local outer, AffineRows a, float skew, float error) { return outer; }
-Local scaled(Local outer, float stretch, float error) { return outer; }
+Local scaled(Local outer, float stretch, float error, mat3 linear) { return outer; }
 
 #endif

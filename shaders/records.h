@@ -43,6 +43,10 @@ using uvec4 = glm::uvec4;
 #define DMVV_BIND_KNOWN 10     // uint[]
 #define DMVV_BIND_FRAME 11     // FrameParams, uniform
 #define DMVV_MOST_STAGES 16
+// of pictures by rays (shaders/rays.h)
+#define DMVV_BIND_RAYS 12       // RayParams, uniform
+#define DMVV_BIND_RAY_TILES 13  // RayTilesHeader, then two words a tile
+#define DMVV_BIND_RAY_NOTES 14  // r32ui: of each pixel DMVV_NOTE_*
 
 // ---- bindings of descriptor set 2 of `classify`: two trees of verdicts, one for ever, one for a span of time ----
 #define DMVV_BIND_VERDICT_WORDS 0
@@ -78,6 +82,11 @@ using uvec4 = glm::uvec4;
 
 #define DMVV_NO_FUNCTION 0xffffffffu
 #define DMVV_NO_REGION 0xffffffffu
+// What decides a boundary (shaders/reach.glsl): the source of an SDF, by its index; or one of these.
+#define DMVV_AT_SOURCE 0x80000000u  // with it: the point is one of the source's own frame, else of its object's
+#define DMVV_WALL 0x7ffffffeu       // of a box
+#define DMVV_NO_DECIDER 0x7fffffffu
+#define DMVV_MAX_CUTS 64
 
 #define DMVV_KIND_SINGLE 0u
 #define DMVV_KIND_SEEDED 1u
@@ -109,6 +118,7 @@ struct FrameParams {
 struct StepParams {
   uint listed_kind;  // the list whose pixels are this kernel's
   uint stage;        // `distribute`: whose pixels go on
+  uint is_cone;      // `rays`: 1: an invocation is a tile of pixels
 };
 
 // What `list` or `classify` counts, and indirect dispatches read. The lists of a kind lie one after the other, with room for all
@@ -223,7 +233,7 @@ struct PlacementRecord {
 #ifdef __cplusplus
 static_assert(sizeof(PointsParams) == 16);
 static_assert(sizeof(FrameParams) == 96);
-static_assert(sizeof(StepParams) == 8);
+static_assert(sizeof(StepParams) == 12);
 static_assert(sizeof(PixelListHeader) == 80);
 static_assert(sizeof(QueueHeader) == 28 * DMVV_MOST_STAGES);
 static_assert(sizeof(AffineRows) == 48);

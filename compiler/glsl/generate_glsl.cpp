@@ -36,6 +36,7 @@ Evaluation Generator::run() {
   }
   write(plan_code(module_, sizes_, alike, {options_.codegen, options_.inlined_line_budget, options_.costs}));
   emit_stages();
+  if (options_.rays) emit_occupancy();
   return finish();
 }
 
@@ -51,6 +52,7 @@ void Generator::write(CodePlan plan) {
   emitted_.clear();
   emit_functions();
   if (plan_.walks()) use_walker();
+  if (options_.rays) use_rays();
   // Objects stand parents first; GLSL wants callees first.
   for (std::size_t i = module_.objects.size(); i-- > 0;) {
     if (plan_.needed[i] && !plan_.cut[i]) emit_object(Id<Object>{static_cast<std::uint32_t>(i)});
@@ -84,6 +86,12 @@ Evaluation Generator::finish() {
     const bool has_next = text.find("next_stage = ") != std::string::npos;
     out_.stages[i] = {std::move(text), has_next};
   }
+  if (options_.rays) {
+    std::vector<std::string> names = walker_functions();
+    names.emplace_back("occupancy");
+    out_.occupancy = families_.copy(names);
+  }
+  out_.has_function_switch = (options_.rays || plan_.walks()) && !module_.functions.empty();
   out_.glsl = families_.take(scene_functions());
   out_.inlined_lines = plan_.inlined_lines;
   out_.object_forms = std::move(plan_.object_forms);
@@ -119,6 +127,11 @@ void Generator::use_walker() {
   out_.uses.walker = out_.uses.placements = out_.uses.lists = true;
   out_.uses.grid_atlas = !module_.grids.empty();
   if (!module_.functions.empty()) emit_function_switch();
+}
+
+void Generator::use_rays() {
+  out_.uses.rays = out_.uses.placements = true;
+  if (!plan_.walks() && !module_.functions.empty()) emit_function_switch();
 }
 
 std::vector<std::string> Generator::walker_functions() const {

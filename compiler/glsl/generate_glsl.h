@@ -15,6 +15,7 @@
 #include "compiler/plan/codegen.h"
 #include "compiler/plan/cost_model.h"
 #include "compiler/plan/stage_options.h"
+#include "compiler/proofs/steepness.h"
 #include "compiler/snippet/time_slot.h"
 
 namespace dmvv::compiler {
@@ -32,6 +33,7 @@ struct Uses {
   bool time = false;           ///< what depends on time alone
   bool region_colors = false;  ///< regions, for their colours
   bool reach = false;          ///< the text tells how far its answers hold, if its kernel asks
+  bool rays = false;           ///< sdfs, for gradients of what decides boundaries
 };
 
 struct GlslOptions {
@@ -46,8 +48,8 @@ struct GlslOptions {
   bool unite_shapes = true;            ///< candidates' objects that are equal but for their numbers share one function
   std::optional<StageOptions> stages;  ///< none: all pixels are evaluated by one kernel
   bool write_stages = false;           ///< or only count them
-  const std::vector<snippet::Steepness>* steepness =
-      nullptr;  ///< of each SDF's source: for answers that tell how far they hold
+  const std::vector<Steepness>* steepness = nullptr;  ///< of each SDF's source: for answers that tell how far they hold
+  bool rays = false;                                  ///< there are kernels for rays
 };
 
 struct StageText {
@@ -59,6 +61,8 @@ struct StageText {
 struct Evaluation {
   std::string functions;  ///< the snippets, and `float call_function(uint function, vec3 q)` if the walker is in use
   std::string glsl;
+  std::string occupancy;  ///< `void occupancy(vec3 p)`, and what gradients call: in place of it for kernels of rays
+  bool has_function_switch = false;  ///< there is `call_function`
   std::uint32_t united_functions = 0;
   std::map<Id<Object>, bool> listed;  ///< objects that loops call; whether by two steps (pass sink-answers)
   std::uint32_t stage_count = 0;      ///< 0: there are none

@@ -26,7 +26,7 @@ void Generator::emit_group(Id<Region> region, std::size_t g, const gpu::GroupRec
   open(asked.empty() ? "" : fmt::format("if ({})", asked));
   if (group.box_from_object) {
     line("vec3 b = {};", affine_expression(*group.box_from_object, "p", options_.fold_affine));
-    if (reaches()) line("{};", limit_group_box(*group.box_from_object));
+    if (reaches() && !cube_maps_into(*group.box_from_object, {})) line("{};", limit_group_box(*group.box_from_object));
     open("if (in_cube(b))");
   }
   emit_candidate_loop(region, g, record, later);
@@ -49,26 +49,38 @@ void Generator::emit_one_candidate(Id<Region> region, const CandidateGroup& grou
   const auto asked_here = [&] { return enter.empty() ? std::string("true") : enter; };
   if (group.box_from_object) {
     line("vec3 b = {};", affine_expression(*group.box_from_object, "p", options_.fold_affine));
-    if (reaches()) line("if ({}) {};", asked_here(), limit_group_box(*group.box_from_object));
+    if (reaches() && !cube_maps_into(*group.box_from_object, {}))
+      line("if ({}) {};", asked_here(), limit_group_box(*group.box_from_object));
     also("in_cube(b)");
   }
+  // What is asked wherever its parent is, ends with it.
+  const bool has_walls = !candidate.tiled && !cube_maps_into(candidate.local_from_parent, content);
   const std::string q = affine_expression(candidate.local_from_parent, "p", options_.fold_affine);
   line(candidate.tiled ? "vec3 q = wrap_cube({});" : "vec3 q = {};", q);
   if (reaches()) {
     line("Local outer = local;");
     line("local = {};", scaled_frame(candidate.local_from_parent));
-    line(candidate.tiled ? "if ({}) limit(0.0, 1.0);" : "if (({}) && !{}) {};", asked_here(), box_test(content, "q"),
-         limit_box(content, "q", 1.0, 0.0));
+    if (candidate.tiled) line("if ({}) limit_tile(q);", asked_here());
+    if (has_walls)
+      line("if (({}) && !{}) {};", asked_here(), box_test(content, "q"), limit_box(content, "q", 1.0, 0.0));
   }
   if (!candidate.tiled) also(box_test(content, "q"));
   line("bool enter = {};", asked_here());
-  line("{};", called.empty() ? call(candidate.object, "q", "level + 1u", "enter") : called + "(q, level + 1u, enter)");
+  const std::string answered = asks_whether_ ? "occupied" : "hit_number != 0u";
+  if (asks_whether_) {
+    line("bool found = {}(q, enter);", occupied_name(candidate.object));
+    line("occupied = occupied || found;");
+  } else {
+    line("{};",
+         called.empty() ? call(candidate.object, "q", "level + 1u", "enter") : called + "(q, level + 1u, enter)");
+  }
   if (reaches()) {
-    if (!candidate.tiled) line("if (enter && hit_number != 0u) {};", limit_box(content, "q", 1.0, 0.0));
+    if (has_walls) line("if (enter && {}) {};", answered, limit_box(content, "q", 1.0, 0.0));
     line("local = outer;");
   }
-  line("if (enter && hit_number != 0u) came_through({}u, {}u, level);", fmt::format("{}", region.index),
-       fmt::format("{}", group.first_number));
+  if (!asks_whether_)
+    line("if (enter && hit_number != 0u) came_through({}u, {}u, level);", fmt::format("{}", region.index),
+         fmt::format("{}", group.first_number));
   close();
 }
 
@@ -89,6 +101,7 @@ void Generator::emit_candidate_loop(Id<Region> region, std::size_t g, const gpu:
                                      [](const Candidate& candidate) { return candidate.tiled; });
   if (reaches()) line("Local outer = local;");
   if (reaches() && group.box_from_object) line("local = {};", scaled_frame(*group.box_from_object));
+  if (asks_whether_) line("const uint level = 0u;");
   emit_range(record.lookup, group.box_from_object ? "b" : "p");
   Placements candidates;
   std::set<Id<Object>> objects;
@@ -111,6 +124,7 @@ void Generator::emit_candidate_loop(Id<Region> region, std::size_t g, const gpu:
   const Calls calls = calls_of(plan_.calls[region.index][g], record);
   const auto emit_way = [&](const std::string& condition) {
     if (reaches()) line("{}{};", condition, cube.limit);
+    if (asks_whether_) return;
     line("{}came_through({}u, {}, level);", condition, fmt::format("{}", region.index),
          group.first_number == 0 ? std::string("c") : fmt::format("{}u + c", group.first_number));
   };
@@ -128,10 +142,12 @@ void Generator::emit_candidate_loop(Id<Region> region, std::size_t g, const gpu:
   line("hit_unfinished = hit_unfinished || (" + nobody_yet + " && asked != range.y - range.x);");
   if (calls.sinks()) {
     open("if (found)");
-    emit_calls(calls, true);
+    if (!asks_whether_) emit_calls(calls, true);
     emit_way("");
     close();
   }
+  if (asks_whether_ && calls.sinks()) line("occupied = occupied || found;");
+  if (asks_whether_ && calls.answers_at_once()) line("occupied = occupied || hit_number != 0u;");
   if (reaches()) line("local = outer;");
 }
 
@@ -147,7 +163,7 @@ void Generator::emit_search(const gpu::GroupRecord& record, bool any_tiled, cons
   line(any_tiled ? "held = tiled || {};" : "held = {};", cube.holds);
   if (reaches()) {
     line("local = {};", candidates.frame("placement_affine(" + placement + ")"));
-    if (any_tiled) line("if (tiled) limit(0.0, 1.0);");
+    if (any_tiled) line("if (tiled) limit_tile(q);");
     line("if (!held) {};", cube.limit);
   }
   close();

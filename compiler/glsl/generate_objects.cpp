@@ -49,13 +49,8 @@ Generator::Outcome Generator::outcome_of(Id<Node> id) {
 }
 
 bool Generator::sinks(Id<Object> id) {
-  const ObjectParts& parts = plan_.parts[id.index];
-  if (!options_.sink_answers || plan_.cut[id.index] || parts.has_flat_tree) return false;
-  const Outcome outcome = outcome_of(at(module_.objects, id).root);
-  const bool is_told = std::ranges::all_of(parts.regions, [&](Id<Region> region) {
-    return at(module_.regions, region).number != 0 || at(module_.regions, region).groups.empty();
-  });
-  return is_told && outcome != Outcome::misses;
+  if (!options_.sink_answers || plan_.cut[id.index]) return false;
+  return is_told_by_decisions(id) && outcome_of(at(module_.objects, id).root) != Outcome::misses;
 }
 
 void Generator::emit_in_two_steps(Id<Object> id) {

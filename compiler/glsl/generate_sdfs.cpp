@@ -11,7 +11,7 @@ std::string Generator::source_test(Id<Sdf> id, const Affine* constant, const std
   const Sdf& sdf = at(module_.sdfs, id);
   if (const auto* function = std::get_if<Id<Function>>(&sdf.source)) {
     const std::string local = constant ? affine_expression(*constant, q, options_.fold_affine) : q;
-    return comparison(id, fmt::format("{}({})", function_name(*function), local), 1.0, constant);
+    return comparison(id, fmt::format("{}({})", function_name(*function), local), 1.0, constant, q);
   }
   const auto grid_id = std::get<Id<voml::Grid>>(sdf.source);
   const voml::Grid& grid = at(module_.grids, grid_id);
@@ -21,27 +21,43 @@ std::string Generator::source_test(Id<Sdf> id, const Affine* constant, const std
   const std::string value = grid_atlas_.filter == Filter::hardware
                                 ? fmt::format("textureLod(grid_atlas, {}, 0.0).r", at)
                                 : fmt::format("sample_grid({})", at);
-  return comparison(id, value, grid_atlas_.scales[grid_id.index], constant);
+  return comparison(id, value, grid_atlas_.scales[grid_id.index], constant, q);
 }
 
-std::string Generator::comparison(Id<Sdf> id, const std::string& value, double scale, const Affine* constant) const {
+std::string Generator::comparison(Id<Sdf> id, const std::string& value, double scale, const Affine* constant,
+                                  const std::string& q) const {
   const std::string iso = glsl_float(static_cast<float>(at(module_.sdfs, id).iso / scale));
   if (!reaches()) return fmt::format("{} <= {}", value, iso);
-  snippet::Steepness source = (*options_.steepness)[id.index];
+  Steepness source = (*options_.steepness)[id.index];
   if (constant != nullptr) {
-    source.error += source.slope * rounding_of(*constant);
-    source.slope *= largest_stretch(constant->linear);
+    source.error += *std::ranges::max_element(source.slopes) * rounding_of(*constant);
+    for (double& slope : source.slopes) slope *= largest_stretch(constant->linear);
   }
+  const auto& [near, middle, far] = source.slopes;
   // Both points that are compared are off.
-  return fmt::format("below({}, {}, {}, {})", value, iso, bound(source.slope / scale),
-                     bound(2.0 * source.error / scale));
+  return fmt::format("below({}, {}, vec2({}, {}), vec3({}, {}, {}), {}, {}u{}, {})", value, iso,
+                     glsl_float(static_cast<float>(source.widths[0] / scale)),
+                     glsl_float(static_cast<float>(source.widths[1] / scale)), flatness(near / scale),
+                     flatness(middle / scale), flatness(far / scale), bound(2.0 * source.error / scale), id.index,
+                     constant == nullptr ? " | DMVV_AT_SOURCE" : "", q);
+}
+
+std::string Generator::flatness(double slope) {
+  return glsl_float(static_cast<float>((1.0 - 1e-6) / std::clamp(slope, 1e-30, 1e30)));
 }
 
 std::string Generator::bound(double value) { return glsl_float(value < 1e30 ? static_cast<float>(value) : 1e30f); }
 
+/// Nine numbers, even if some are equal: the shape does not depend on the values.
+std::string Generator::mat3_literal(const glm::dmat3& m) {
+  const auto column = [&](int i) { return components(glm::vec4(glm::vec3(m[i]), 0.0f)); };
+  return fmt::format("mat3({}, {}, {})", column(0), column(1), column(2));
+}
+
 std::string Generator::scaled_frame(const Affine& affine) {
   const double stretch = largest_stretch(affine.linear);
-  return fmt::format("scaled(outer, {}, {})", bound(stretch), bound(rounding_of(affine) / stretch));
+  return fmt::format("scaled(outer, {}, {}, {})", bound(stretch), bound(rounding_of(affine) / stretch),
+                     mat3_literal(affine.linear));
 }
 
 std::string Generator::limit_box(const LocalBox& box, const std::string& q, double slope, double error) const {
@@ -118,9 +134,18 @@ void Generator::emit_boxed_test(const std::string& result, const LocalBox& box, 
 }
 
 void Generator::emit_tiled(Id<Sdf> id, const Sdf& sdf) {
-  line("vec3 q = wrap_cube({});", affine_expression(sdf.local_from_object.front(), "p", options_.fold_affine));
-  if (reaches()) line("limit(0.0, 1.0);");
-  line("return {} && {};", box_test(local_box(sdf, module_), "q"), source_test(id, nullptr, "q"));
+  const Affine& affine = sdf.local_from_object.front();
+  line("vec3 q = wrap_cube({});", affine_expression(affine, "p", options_.fold_affine));
+  if (!reaches()) {
+    line("return {} && {};", box_test(local_box(sdf, module_), "q"), source_test(id, nullptr, "q"));
+    return;
+  }
+  line("Local outer = local;");
+  line("local = {};", scaled_frame(affine));
+  line("limit_tile(q);");
+  emit_boxed_test("bool negative = ", local_box(sdf, module_), id);
+  line("local = outer;");
+  line("return negative;");
 }
 
 std::string Generator::components(const glm::vec4& v) {
@@ -136,8 +161,9 @@ std::string Generator::find_cell(const gpu::LookupRecord& lookup, const std::str
 void Generator::emit_range(const gpu::LookupRecord& lookup, const std::string& p) {
   line("uvec2 range = {};", find_cell(lookup, p));
   if (!reaches()) return;
-  line("limit_cell({}, {}, {}, uvec3({}u, {}u, {}u));", p, components(lookup.lo), components(lookup.cells_per_unit),
-       fmt::format("{}", lookup.size_x), fmt::format("{}", lookup.size_y), fmt::format("{}", lookup.size_z));
+  line("limit_cell({}, {}, {}, uvec3({}u, {}u, {}u), {}u);", p, components(lookup.lo),
+       components(lookup.cells_per_unit), fmt::format("{}", lookup.size_x), fmt::format("{}", lookup.size_y),
+       fmt::format("{}", lookup.size_z), fmt::format("{}", lookup.first_cell));
 }
 
 void Generator::emit_seeded(Id<Sdf> id, const Sdf&) {
@@ -180,7 +206,7 @@ void Generator::emit_seed_search(std::span<const Id<Sdf>> sdfs) {
     out_.uses.scalings = true;
     line("vec4 scaling = scaling_at({} + seed);", fmt::format("{}u", records_.first_scaling[sdfs.front().index]));
     line("vec3 q = p * scaling.w + scaling.xyz;");
-    if (reaches()) line("local = scaled(outer, abs(scaling.w), {});", bound(seeds.error));
+    if (reaches()) line("local = scaled(outer, abs(scaling.w), {}, mat3(scaling.w));", bound(seeds.error));
   } else {
     out_.uses.placements = true;
     const std::string placement = fmt::format("placement_affine({}u + seed)", record.first_placement);

@@ -4,6 +4,7 @@
 //   generate_objects.cpp  decisions; objects in two steps
 //   generate_lists.cpp    embedded objects: groups of candidates
 //   generate_stages.cpp   the evaluation in parts
+//   generate_occupancy.cpp  whether anything is at a point
 //   generate_colors.cpp   colours of regions
 #pragma once
 
@@ -67,6 +68,7 @@ class Generator : GlslWriter {
   void measure_sources();
   void emit_functions();
   void use_walker();
+  void use_rays();
   /// What the walker calls.
   std::vector<std::string> walker_functions() const;
   /// The thesis' stitching: one function that the walker calls with the number of a snippet.
@@ -87,14 +89,18 @@ class Generator : GlslWriter {
   /// `f(local) <= iso` as one expression, the local point being q, or constant(q) if that is given.
   std::string source_test(Id<Sdf> id, const Affine* constant, const std::string& q);
   /// `value <= iso`, the value being that of the source over `scale`.
-  std::string comparison(Id<Sdf> id, const std::string& value, double scale, const Affine* constant) const;
+  std::string comparison(Id<Sdf> id, const std::string& value, double scale, const Affine* constant,
+                         const std::string& q) const;
 
   // ---- how far answers hold (shaders/reach.glsl) ----
   bool reaches() const { return options_.steepness != nullptr && !stage_; }
   /// A literal; what is infinite, or nearly, as a number that leaves no reach.
   static std::string bound(double value);
+  /// One over a slope, a little less.
+  static std::string flatness(double slope);
   /// How far off a point of the standard cube is after the map, in units of its result.
   static double rounding_of(const Affine& affine) { return glm::length(float_error(affine, glm::dvec3(1.0))); }
+  static std::string mat3_literal(const glm::dmat3& m);
   /// Writes by how much steps are longer in the frame that `affine` leads to, and how far a point there may be off.
   static std::string scaled_frame(const Affine& affine);
   /// Bounds that hold for all placements of a list, since their matrices are not known when the code is written.
@@ -222,7 +228,10 @@ class Generator : GlslWriter {
 
   // ---- stages (compiler/plan/stage_plan.h) ----
   static std::string stage_name(std::uint32_t stage) { return fmt::format("stage_{}", stage); }
-  std::string nobody() const { return stage_ ? "hit_number == 0u && next_stage == 0u" : "hit_number == 0u"; }
+  std::string nobody() const {
+    if (asks_whether_) return "!occupied";
+    return stage_ ? "hit_number == 0u && next_stage == 0u" : "hit_number == 0u";
+  }
   void emit_stages();
   /// Stage `number`, whose functions `emit` writes.
   void emit_stage(std::uint32_t number, const std::function<void()>& emit);
@@ -232,6 +241,17 @@ class Generator : GlslWriter {
   std::string emit_last(const Way& way);
   /// An object as a stage has it: where its regions' groups are divided off, the stages are told that hold them.
   std::string emit_divided(const Way& way, Id<Object> id);
+
+  // ---- whether anything is at a point ----
+  static std::string occupied_name(Id<Object> id) { return fmt::format("occupied_{}", id.index); }
+  /// Writes `void occupancy(vec3 p)`.
+  void emit_occupancy();
+  /// Do an object's decisions tell, before what it embeds is asked, whether it answers?
+  bool is_told_by_decisions(Id<Object> id) const;
+  void emit_occupied(Id<Object> id);
+  /// Writes what a region calls that is empty but for what it embeds.
+  void emit_occupied_below(const Region& region);
+  void emit_occupied_regions(Id<Object> id);
 
   // ---- colours ----
   void emit_colors();
@@ -249,7 +269,8 @@ class Generator : GlslWriter {
   std::string guard_;          ///< of the function that is being written; "" if it has none
   std::string tape_walker_;    ///< empty if no function is a tape
   std::map<Id<Node>, Outcome> outcomes_;
-  bool is_inside_ = false;  ///< what is written is reached only by points that get an answer
+  bool is_inside_ = false;     ///< what is written is reached only by points that get an answer
+  bool asks_whether_ = false;  ///< what is written tells only whether anything is there
   StagePlan stages_;
   std::optional<std::uint32_t> stage_;  ///< that is being written
   std::uint32_t divided_ = 0;           ///< its objects so far

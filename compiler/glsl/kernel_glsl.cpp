@@ -29,6 +29,22 @@ std::string declaration(const SceneBuffer& buffer, RecordAccess access) {
                      buffer.binding, buffer.name, buffer.element);
 }
 
+bool is_of_rays(Source source) { return source == Source::rays || source == Source::hits; }
+
+std::string_view main_of(Source source) {
+  switch (source) {
+    case Source::points:
+      return shader_text::points;
+    case Source::surface:
+      return shader_text::pixels;
+    case Source::rays:
+      return shader_text::rays;
+    case Source::hits:
+      return shader_text::normals;
+  }
+  return {};
+}
+
 std::string bindings(const Uses& uses, RecordAccess access) {
   std::string text;
   const auto sampler = [&](const char* slot, const char* name) {
@@ -54,10 +70,13 @@ std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, con
   if (kernel.query.path) text += "#define DMVV_QUERY_PATH\n";
   if (uses.reach) text += "#define DMVV_REACH\n";
   if (kernel.query.radius) text += "#define DMVV_QUERY_RADIUS\n";
+  if (kernel.query.gradient) text += "#define DMVV_QUERY_GRADIENT\n";
+  if (is_of_rays(kernel.source)) text += "#define DMVV_DRAWS_SURFACE\n";
   if (stage) text += fmt::format("#define DMVV_STAGE {}\n", *stage);
   if (stage && evaluation.stages[*stage].has_next) text += "#define DMVV_STAGES_FOLLOW\n";
   if (access == RecordAccess::texels) text += "#define DMVV_TEXELS\n";
   if (uses.lists) text += "#define DMVV_LISTS\n";
+  if (uses.lists && uses.reach) text += "#define DMVV_GAPS\n";
   if (uses.placements) text += "#define DMVV_PLACEMENTS\n";
   if (uses.scalings) text += "#define DMVV_SCALINGS\n";
   if (uses.parameters) text += "#define DMVV_PARAMETERS\n";
@@ -65,12 +84,14 @@ std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, con
   if (uses.grid_atlas) text += "#define DMVV_GRIDS\n";
   if (own_filter) text += "#define DMVV_FILTER\n";
   if (own_filter && evaluation.filter == Filter::tricubic) text += "#define DMVV_TRICUBIC\n";
-  if (!evaluation.functions.empty()) text += "#define DMVV_FUNCTIONS\n";
+  if (evaluation.has_function_switch) text += "#define DMVV_FUNCTIONS\n";
   text += shader_text::records;
   text += bindings(uses, access);
   text += shader_text::access;
-  if (kernel.source == Source::surface) text += shader_text::surface;
-  if (kernel.source == Source::surface) text += shader_text::pixel_io;
+  if (kernel.source != Source::points) text += shader_text::surface;
+  if (kernel.source != Source::points) text += shader_text::pixel_io;
+  if (is_of_rays(kernel.source)) text += shader_text::rays_h;
+  if (is_of_rays(kernel.source)) text += shader_text::ray;
   if (stage) text += shader_text::queues;
   text += shader_text::evaluate;
   if (uses.reach) text += shader_text::reach;
@@ -78,9 +99,13 @@ std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, con
   text += evaluation.functions;
   if (uses.walker) text += evaluation.codegen == Codegen::thesis ? shader_text::walk_thesis : shader_text::walk;
   text += "\n// ---- the scene ----\n";
-  text += stage ? evaluation.stages[*stage].glsl + fmt::format("void evaluate(vec3 p) {{ stage_{}(p); }}\n", *stage)
-                : evaluation.glsl;
-  text += kernel.source == Source::points ? shader_text::points : shader_text::pixels;
+  if (is_of_rays(kernel.source))
+    text += evaluation.occupancy;
+  else
+    text += stage ? evaluation.stages[*stage].glsl + fmt::format("void evaluate(vec3 p) {{ stage_{}(p); }}\n", *stage)
+                  : evaluation.glsl;
+  if (kernel.query.gradient) text += shader_text::gradient;
+  text += main_of(kernel.source);
   return text;
 }
 

@@ -181,6 +181,10 @@ class Flattening {
     record.size_z = lookup.size.z;
     record.first_cell = static_cast<std::uint32_t>(out_.cells.size());
     const auto first_entry = static_cast<std::uint32_t>(out_.lists.size());
+    if (!lookup.gaps.empty()) {
+      out_.gaps.insert(out_.gaps.end(), lookup.gaps.begin(), lookup.gaps.end());
+      out_.gaps.push_back(0);  // cells have an end
+    }
     for (const std::uint32_t start : lookup.cells) out_.cells.push_back(first_entry + start);
     out_.lists.insert(out_.lists.end(), lookup.lists.begin(), lookup.lists.end());
     return record;

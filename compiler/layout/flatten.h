@@ -25,6 +25,7 @@ struct Records {
   std::vector<gpu::PlacementRecord> placements;
   std::vector<std::uint32_t> cells;
   std::vector<std::uint32_t> lists;
+  std::vector<std::uint32_t> gaps;  ///< like cells, if lists are widened (lookup.h: Lookup::gaps)
   std::vector<glm::vec4> scalings;  ///< of seeds that only scale, alike along all axes, and move: q = p * w + xyz
   std::vector<std::uint32_t> first_scaling;  ///< of each SDF; no_scaling where not all its seeds are such
   std::vector<SeedChain> chains;  ///< SDFs that share a lookup: its lists hold the seeds of all, in the chain's order

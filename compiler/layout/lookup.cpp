@@ -1,6 +1,7 @@
 #include "compiler/layout/lookup.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
@@ -148,6 +149,39 @@ void count_entries(Lookup& grid, std::span<const PlacedBox> placements, std::spa
   }
 }
 
+/// Chebyshev distances to the nearest cell with a list: along each axis forth and back. Behind the grid's walls there
+/// is none.
+void measure_gaps(Lookup& grid) {
+  constexpr std::uint32_t far = 255;
+  const glm::uvec3& n = grid.size;
+  grid.gaps.resize(grid.cells.size() - 1);
+  for (std::size_t c = 0; c < grid.gaps.size(); ++c) grid.gaps[c] = grid.cells[c] == grid.cells[c + 1] ? far : 0;
+  // One axis after the other: the least over the row of max(distance along it, distance so far).
+  const std::array<std::size_t, 3> steps{1, n.x, std::size_t{n.x} * n.y};
+  std::vector<std::uint32_t> row;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::uint32_t length = n[axis], across = n[(axis + 1) % 3], up = n[(axis + 2) % 3];
+    const std::size_t step = steps[static_cast<std::size_t>(axis)];
+    const std::size_t step_across = steps[static_cast<std::size_t>((axis + 1) % 3)];
+    const std::size_t step_up = steps[static_cast<std::size_t>((axis + 2) % 3)];
+    row.resize(length);
+    for (std::uint32_t j = 0; j < up; ++j) {
+      for (std::uint32_t i = 0; i < across; ++i) {
+        std::uint32_t* const first = grid.gaps.data() + j * step_up + i * step_across;
+        for (std::uint32_t x = 0; x < length; ++x) row[x] = first[x * step];
+        for (std::uint32_t x = 0; x < length; ++x) {
+          std::uint32_t least = row[x];
+          for (std::uint32_t d = 1; d < least && (x >= d || x + d < length); ++d) {
+            if (x >= d) least = std::min(least, std::max(d, row[x - d]));
+            if (x + d < length) least = std::min(least, std::max(d, row[x + d]));
+          }
+          first[x * step] = least;
+        }
+      }
+    }
+  }
+}
+
 std::uint64_t sum(std::span<const std::uint32_t> counts) {
   return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
 }
@@ -203,6 +237,7 @@ Lookup build_lookup(std::span<const PlacedBox> placements, const glm::uvec3& wis
   for (std::uint32_t i = 0; i < placements.size(); ++i) {
     for_each_cell(grid, placements[i], boxes[i], margin, [&](std::uint32_t cell) { grid.lists[next[cell]++] = i; });
   }
+  if (widened > 0.0) measure_gaps(grid);
   return grid;
 }
 

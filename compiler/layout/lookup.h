@@ -20,6 +20,8 @@ struct Lookup {
   std::vector<std::uint32_t> cells;
   std::vector<std::uint32_t> lists;
   std::uint32_t longest = 0;  ///< most entries in one cell
+  /// If asked for: of each cell how many cells all around are empty, itself included; 0: it is not.
+  std::vector<std::uint32_t> gaps;
 
   glm::uvec3 cell_of(const glm::dvec3& p) const;
   std::span<const std::uint32_t> at(const glm::dvec3& p) const;
@@ -32,7 +34,7 @@ struct Lookup {
 /// `wish` is the author's size (0: chosen from number and extent of the placements); at most 2^21 cells,
 /// and fewer where the lists would exceed 512 entries a placement or 2^24 in all.
 /// A wish of (1,1,1) gives the plain list. With `refine`, any other wish counts only if it has more cells than would be
-/// chosen. `widened`: a cell's list holds also what comes so near to it, in cells.
+/// chosen. `widened`: a cell's list holds also what comes so near to it, in cells; if not 0, there are gaps.
 /// Cost: linear in the cells that the placements' bounds touch, at most 2^25 (or 8 a placement) of them.
 /// Source: thesis section 3.2.1; separating axes of box faces (Gottschalk 2000), the edge pairs left out
 /// (conservative).

@@ -47,6 +47,13 @@ class Recorder {
                                      work_.tile.surface);
       case Step::slice:
         return upload_slice();
+      case Step::set_out:
+        return set_out();
+      case Step::cones:
+        return dispatch(planned, (ray_tiles() + DMVV_PIXELS_GROUP_SIZE - 1) / DMVV_PIXELS_GROUP_SIZE);
+      case Step::trace:
+      case Step::normals:
+        return dispatch_live(planned);
       case Step::clear:
         return clear();
       case Step::report:
@@ -87,6 +94,10 @@ class Recorder {
     bind(planned);
     commands_.dispatchIndirect(*work_.images.scratch().list.buffer, planned.list * sizeof(gpu::DispatchGroups));
   }
+  void dispatch_live(const PlannedStep& planned) {
+    bind(planned);
+    commands_.dispatchIndirect(*work_.tile.tiles.buffer, offsetof(gpu::RayTilesHeader, live));
+  }
   void dispatch_queued(const PlannedStep& planned, vk::DeviceSize groups) {
     bind(planned);
     commands_.dispatchIndirect(*work_.images.scratch().queues.buffer,
@@ -96,7 +107,8 @@ class Recorder {
   void bind(const PlannedStep& planned) {
     constexpr auto compute = vk::PipelineBindPoint::eCompute;
     const FrameKernels::Bound kernel = work_.kernels.at(planned.step, planned.stage, work_.kind);
-    const gpu::StepParams step{planned.list == no_list ? DMVV_TO_EVALUATE : planned.list, planned.stage};
+    const gpu::StepParams step{planned.list == no_list ? DMVV_TO_EVALUATE : planned.list, planned.stage,
+                               planned.step == Step::cones ? 1u : 0u};
     commands_.bindPipeline(compute, kernel.pipeline);
     commands_.bindDescriptorSets(compute, kernel.layout, 0, {work_.scene.set(), *work_.tile.set}, nullptr);
     if (kernel.asks_verdicts) commands_.bindDescriptorSets(compute, kernel.layout, 2, work_.verdicts->set(), nullptr);
@@ -112,6 +124,23 @@ class Recorder {
       commands_.copyBufferToImage(*points.buffer, *work_.tile.surface.image, Layout::eTransferDstOptimal,
                                   tile_copy(0, tile.size_px));
     });
+  }
+
+  std::uint32_t ray_tiles() const {
+    const auto along = [](std::uint32_t px) { return (px + DMVV_RAY_TILE - 1) / DMVV_RAY_TILE; };
+    return along(work_.params.width) * along(work_.params.height);
+  }
+
+  /// Tells rays what they need. No tile is listed yet; where none is, nothing is seen.
+  void set_out() {
+    const Tile& tile = work_.plan.tile;
+    const gpu::RayParams params = ray_params(work_.setup, tile.corner_px, tile.size_px);
+    commands_.updateBuffer<gpu::RayParams>(*work_.tile.rays.buffer, 0, params);
+    gpu::RayTilesHeader none{};
+    none.live = {0, 1, 1};
+    commands_.updateBuffer<gpu::RayTilesHeader>(*work_.tile.tiles.buffer, 0, none);
+    for (const GpuImage* image : {&work_.tile.surface, &work_.tile.notes})
+      commands_.clearColorImage(*image->image, Layout::eGeneral, vk::ClearColorValue{}, color_range);
   }
 
   /// Images stay in the layout GENERAL, but for a copy.
@@ -152,7 +181,9 @@ class Recorder {
 
   void report() {
     commands_.copyBuffer(*work_.images.scratch().list.buffer, *work_.tile.report.buffer,
-                         vk::BufferCopy{0, 0, sizeof(gpu::PixelListHeader)});
+                         vk::BufferCopy{0, offsetof(TileReport, pixels), sizeof(gpu::PixelListHeader)});
+    commands_.copyBuffer(*work_.tile.tiles.buffer, *work_.tile.report.buffer,
+                         vk::BufferCopy{0, offsetof(TileReport, rays), sizeof(gpu::RayTilesHeader)});
     for_host();
   }
 
@@ -171,6 +202,7 @@ class Recorder {
     copy(outputs.colors == Colors::bytes ? work_.tile.bytes : work_.tile.color, layout.colors);
     if (outputs.regions) copy(work_.tile.region, layout.regions);
     if (outputs.positions) copy(work_.tile.surface, layout.positions);
+    if (outputs.doubt) copy(work_.tile.notes, layout.notes);
     for_host();
   }
 

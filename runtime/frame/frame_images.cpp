@@ -24,6 +24,7 @@ bool operator==(const SurfaceKey& a, const SurfaceKey& b) {
   };
   if (a.tile != b.tile || a.slice.has_value() != b.slice.has_value()) return false;
   if (a.slice) return same_slice(*a.slice, *b.slice);
+  if (a.is_of_rays != b.is_of_rays || a.time_values != b.time_values) return false;
   return a.mesh_serial == b.mesh_serial && a.has_caps == b.has_caps &&
          std::memcmp(&a.raster, &b.raster, sizeof a.raster) == 0;
 }
@@ -39,15 +40,16 @@ bool only_time_differs(const ShadingKey& a, const ShadingKey& b) {
 ReadbackLayout::ReadbackLayout(std::size_t pixels, const Outputs& outputs)
     : colors(outputs.positions ? 16 * pixels : 0),
       regions(colors + (outputs.colors == Colors::bytes ? 4 : 16) * pixels),
-      bytes(regions + (outputs.regions ? 4 * pixels : 0)) {}
+      notes(regions + (outputs.regions ? 4 * pixels : 0)),
+      bytes(notes + (outputs.doubt ? 4 * pixels : 0)) {}
 
 FrameImages::FrameImages(const Device::Impl& gpu, const vk::raii::DescriptorSetLayout& layout, vk::Extent2D extent,
                          std::size_t tile_count, const Outputs& outputs, const FrameNeeds& needs,
                          std::optional<GpuImage> spare)
     : gpu_(gpu), extent_(extent), outputs_(outputs) {
   make_scratch(needs);
-  tiles_.push_back(make_tile(layout, std::move(spare)));
-  while (tiles_.size() < kept_tiles(extent, tile_count)) tiles_.push_back(make_tile(layout, std::nullopt));
+  tiles_.push_back(make_tile(layout, needs, std::move(spare)));
+  while (tiles_.size() < kept_tiles(extent, tile_count)) tiles_.push_back(make_tile(layout, needs, std::nullopt));
   make_ready();
 }
 
@@ -85,7 +87,8 @@ void FrameImages::make_scratch(const FrameNeeds& needs) {
   scratch_.next_stages = storage(needs.stages == 0 ? 4 : 4 * count);
 }
 
-TileImages FrameImages::make_tile(const vk::raii::DescriptorSetLayout& layout, std::optional<GpuImage> spare) const {
+TileImages FrameImages::make_tile(const vk::raii::DescriptorSetLayout& layout, const FrameNeeds& needs,
+                                  std::optional<GpuImage> spare) const {
   const auto image = [&](vk::Format format, bool is_asked_for) {
     return make_image(format, {is_asked_for ? extent_.width : 1, is_asked_for ? extent_.height : 1, 1});
   };
@@ -97,7 +100,16 @@ TileImages FrameImages::make_tile(const vk::raii::DescriptorSetLayout& layout, s
   made.region = image(vk::Format::eR32Uint, outputs_.regions);
   made.block = gpu_.make_buffer(sizeof(gpu::FrameParams), BufferUse::eUniformBuffer | BufferUse::eTransferDst,
                                 MemoryUse::device);
-  made.report = gpu_.make_buffer(sizeof(gpu::PixelListHeader), BufferUse::eTransferDst, MemoryUse::readback);
+  made.notes = image(vk::Format::eR32Uint, needs.rays);
+  made.rays = gpu_.make_buffer(needs.rays ? sizeof(gpu::RayParams) : 16,
+                               BufferUse::eUniformBuffer | BufferUse::eTransferDst, MemoryUse::device);
+  const auto along = [&](std::uint32_t px) { return std::size_t{(px + DMVV_RAY_TILE - 1) / DMVV_RAY_TILE}; };
+  const std::size_t ray_tiles = needs.rays ? along(extent_.width) * along(extent_.height) : 0;
+  made.tiles = gpu_.make_buffer(
+      sizeof(gpu::RayTilesHeader) + 8 * ray_tiles,
+      BufferUse::eStorageBuffer | BufferUse::eIndirectBuffer | BufferUse::eTransferSrc | BufferUse::eTransferDst,
+      MemoryUse::device);
+  made.report = gpu_.make_buffer(sizeof(TileReport), BufferUse::eTransferDst, MemoryUse::readback);
   made.set = DescriptorSet(gpu_, layout, pixel_bindings);
   made.set.write(DMVV_BIND_SURFACE, made.surface);
   made.set.write(DMVV_BIND_COLOR, made.color);
@@ -111,6 +123,9 @@ TileImages FrameImages::make_tile(const vk::raii::DescriptorSetLayout& layout, s
   made.set.write(DMVV_BIND_NEXT, scratch_.next_stages);
   made.set.write(DMVV_BIND_KNOWN, scratch_.known);
   made.set.write(DMVV_BIND_FRAME, made.block);
+  made.set.write(DMVV_BIND_RAYS, made.rays);
+  made.set.write(DMVV_BIND_RAY_TILES, made.tiles);
+  made.set.write(DMVV_BIND_RAY_NOTES, made.notes);
   return made;
 }
 
@@ -122,7 +137,7 @@ void FrameImages::make_ready() const {
         color_barrier(image, Layout::eUndefined, Layout::eGeneral, {}, vk::AccessFlagBits::eShaderWrite));
   };
   for (const TileImages& tile : tiles_) {
-    for (const GpuImage* image : {&tile.surface, &tile.color, &tile.bytes, &tile.region}) add(*image);
+    for (const GpuImage* image : {&tile.surface, &tile.color, &tile.bytes, &tile.region, &tile.notes}) add(*image);
   }
   for (const GpuImage* image : {&scratch_.leader_place, &scratch_.leader_color, &scratch_.leader_region}) add(*image);
   gpu_.run([&](const vk::raii::CommandBuffer& commands) {
@@ -144,9 +159,7 @@ GpuBuffer& FrameImages::readback_of(TileImages& tile) const {
   return tile.readback;
 }
 
-const gpu::PixelListHeader& counted(const TileImages& images) {
-  return *static_cast<const gpu::PixelListHeader*>(images.report.mapped);
-}
+const TileReport& counted(const TileImages& images) { return *static_cast<const TileReport*>(images.report.mapped); }
 
 TilePixels pixels_of(const TileImages& images, const Tile& tile, const Outputs& outputs) {
   const ReadbackLayout layout(std::size_t{tile.size_px.x} * tile.size_px.y, outputs);
@@ -155,7 +168,8 @@ TilePixels pixels_of(const TileImages& images, const Tile& tile, const Outputs& 
   return {as_bytes ? nullptr : reinterpret_cast<const glm::vec4*>(mapped + layout.colors),
           as_bytes ? reinterpret_cast<const std::uint32_t*>(mapped + layout.colors) : nullptr,
           outputs.positions ? reinterpret_cast<const glm::uvec4*>(mapped + layout.positions) : nullptr,
-          outputs.regions ? reinterpret_cast<const std::uint32_t*>(mapped + layout.regions) : nullptr};
+          outputs.regions ? reinterpret_cast<const std::uint32_t*>(mapped + layout.regions) : nullptr,
+          outputs.doubt ? reinterpret_cast<const std::uint32_t*>(mapped + layout.notes) : nullptr};
 }
 
 }  // namespace dmvv::runtime

@@ -16,6 +16,7 @@ struct Outputs {
   Colors colors = Colors::floats;
   bool regions = false;
   bool positions = false;
+  bool doubt = false;
   friend bool operator==(const Outputs&, const Outputs&) = default;
 };
 
@@ -23,6 +24,8 @@ struct Outputs {
 struct SurfaceKey {
   gpu::RasterParams raster{};
   std::optional<SliceFrame> slice;
+  bool is_of_rays = false;
+  std::vector<float> time_values;  ///< that rays depend on
   std::uint32_t mesh_serial = 0;
   bool has_caps = false;
   Tile tile;
@@ -39,7 +42,7 @@ bool operator==(const ShadingKey& a, const ShadingKey& b);
 bool only_time_differs(const ShadingKey& a, const ShadingKey& b);
 
 /// Descriptor set 1 of the kernels over pixels: DMVV_BIND_SURFACE and those that follow it.
-inline constexpr std::array<SetBinding, 12> pixel_bindings{{
+inline constexpr std::array<SetBinding, 15> pixel_bindings{{
     {DMVV_BIND_SURFACE, vk::DescriptorType::eStorageImage},
     {DMVV_BIND_COLOR, vk::DescriptorType::eStorageImage},
     {DMVV_BIND_BYTES, vk::DescriptorType::eStorageImage},
@@ -52,13 +55,22 @@ inline constexpr std::array<SetBinding, 12> pixel_bindings{{
     {DMVV_BIND_NEXT, vk::DescriptorType::eStorageBuffer},
     {DMVV_BIND_KNOWN, vk::DescriptorType::eStorageBuffer},
     {DMVV_BIND_FRAME, vk::DescriptorType::eUniformBuffer},
+    {DMVV_BIND_RAYS, vk::DescriptorType::eUniformBuffer},
+    {DMVV_BIND_RAY_TILES, vk::DescriptorType::eStorageBuffer},
+    {DMVV_BIND_RAY_NOTES, vk::DescriptorType::eStorageImage},
 }};
 
 /// Where the parts of a tile stand in the buffer that is read back: each at a multiple of its texels, the largest
 /// first.
 struct ReadbackLayout {
-  vk::DeviceSize positions = 0, colors, regions, bytes;
+  vk::DeviceSize positions = 0, colors, regions, notes, bytes;
   ReadbackLayout(std::size_t pixels, const Outputs& outputs);
+};
+
+/// What the device counts.
+struct TileReport {
+  gpu::PixelListHeader pixels;
+  gpu::RayTilesHeader rays;
 };
 
 /// What stays of a tile between frames. All images are in the layout GENERAL. Those that are not asked for have one
@@ -66,8 +78,11 @@ struct ReadbackLayout {
 struct TileImages {
   GpuImage surface;
   GpuImage color, bytes, region;
+  GpuImage notes;      ///< of pictures by rays
   GpuBuffer block;     ///< gpu::FrameParams
-  GpuBuffer report;    ///< gpu::PixelListHeader, for the host
+  GpuBuffer rays;      ///< gpu::RayParams
+  GpuBuffer tiles;     ///< gpu::RayTilesHeader, then two words a tile of rays
+  GpuBuffer report;    ///< TileReport, for the host
   GpuBuffer readback;  ///< ReadbackLayout; made when something is first brought home
   DescriptorSet set;
   std::optional<SurfaceKey> drawn;   ///< what `surface` shows
@@ -88,6 +103,7 @@ struct TileScratch {
 struct FrameNeeds {
   bool leaders = false;
   bool verdicts = false;
+  bool rays = false;
   std::uint32_t stages = 0;
 };
 
@@ -117,7 +133,8 @@ class FrameImages {
 
  private:
   GpuImage make_image(vk::Format format, vk::Extent3D size) const;
-  TileImages make_tile(const vk::raii::DescriptorSetLayout& layout, std::optional<GpuImage> spare) const;
+  TileImages make_tile(const vk::raii::DescriptorSetLayout& layout, const FrameNeeds& needs,
+                       std::optional<GpuImage> spare) const;
   void make_scratch(const FrameNeeds& needs);
   void make_ready() const;
   static std::size_t kept_tiles(vk::Extent2D extent, std::size_t tile_count);
@@ -129,8 +146,8 @@ class FrameImages {
   std::vector<TileImages> tiles_;
 };
 
-/// What the device counted of a tile's pixels.
-const gpu::PixelListHeader& counted(const TileImages& images);
+/// What the device counted of a tile.
+const TileReport& counted(const TileImages& images);
 
 /// What came back of a tile; null what was not asked for.
 struct TilePixels {
@@ -138,6 +155,7 @@ struct TilePixels {
   const std::uint32_t* bytes;
   const glm::uvec4* surface;
   const std::uint32_t* regions;
+  const std::uint32_t* notes;
 };
 TilePixels pixels_of(const TileImages& images, const Tile& tile, const Outputs& outputs);
 

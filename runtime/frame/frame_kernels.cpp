@@ -14,11 +14,17 @@ namespace dmvv::runtime {
 namespace {
 
 bool runs_kernel(Step step) {
-  return step != Step::raster && step != Step::slice && step != Step::clear && step != Step::report &&
-         step != Step::bring_home;
+  return step != Step::raster && step != Step::slice && step != Step::set_out && step != Step::clear &&
+         step != Step::report && step != Step::bring_home;
 }
 
 bool asks_verdicts(Step step) { return step == Step::classify || step == Step::paint || step == Step::count_hits; }
+
+std::string_view kernel_name(Step step) {
+  if (step == Step::cones || step == Step::trace) return compiler::rays_kernel.name;
+  if (step == Step::normals) return compiler::normals_kernel.name;
+  return step == Step::lead ? compiler::leaders_kernel.name : compiler::pixels_kernel.name;
+}
 
 bool writes_pixels(Step step) {
   return step == Step::paint || step == Step::lead || step == Step::follow || step == Step::evaluate ||
@@ -36,8 +42,13 @@ FrameKernels::FrameKernels(const Device::Impl& gpu, const SceneOnDevice& scene, 
       layout_(make_pipeline_layout(gpu, std::array{*scene.layout(), *io_layout_}, sizeof(gpu::StepParams))),
       layout_with_verdicts_(make_pipeline_layout(gpu, std::array{*scene.layout(), *io_layout_, *verdict_layout_},
                                                  sizeof(gpu::StepParams))) {
-  if (const auto* leaders = program.find_kernel(compiler::leaders_kernel.name))
-    code_of_leaders_ = leaders->shaders.front().spirv;
+  const auto code = [&](const compiler::KernelSpec& spec) {
+    const auto* const kernel = program.find_kernel(spec.name);
+    return kernel != nullptr ? kernel->shaders.front().spirv : std::vector<std::uint32_t>{};
+  };
+  code_of_leaders_ = code(compiler::leaders_kernel);
+  code_of_rays_ = code(compiler::rays_kernel);
+  code_of_normals_ = code(compiler::normals_kernel);
   const auto* const pixels = program.find_kernel(compiler::pixels_kernel.name);
   if (pixels == nullptr) return;
   for (const compiler::Shader& shader : pixels->shaders) {
@@ -72,8 +83,14 @@ std::span<const std::uint32_t> FrameKernels::code_of(Step step, std::uint32_t st
       return distribute_comp;
     case Step::count_hits:
       return count_hits_comp;
+    case Step::cones:
+    case Step::trace:
+      return code_of_rays_;
+    case Step::normals:
+      return code_of_normals_;
     case Step::raster:
     case Step::slice:
+    case Step::set_out:
     case Step::clear:
     case Step::report:
     case Step::bring_home:
@@ -83,7 +100,8 @@ std::span<const std::uint32_t> FrameKernels::code_of(Step step, std::uint32_t st
 }
 
 FrameKernels::Key FrameKernels::key_of(Step step, std::uint32_t stage, const KernelKind& kind) const {
-  return {step, step == Step::stage ? stage : 0, writes_pixels(step) ? kind : KernelKind{}};
+  const Step first = step == Step::cones ? Step::trace : step;  // one kernel does both
+  return {first, step == Step::stage ? stage : 0, writes_pixels(step) ? kind : KernelKind{}};
 }
 
 Result<void> FrameKernels::prepare(const FramePlan& plan, const KernelKind& kind) {
@@ -94,8 +112,8 @@ Result<void> FrameKernels::prepare(const FramePlan& plan, const KernelKind& kind
       if (made_.contains(key)) continue;
       const std::span<const std::uint32_t> code = code_of(planned.step, planned.stage);
       if (code.empty()) {
-        const char* const name = planned.step == Step::lead ? "leaders" : "pixels";
-        return fail(Fault::environment, fmt::format("the program was compiled without its kernel '{}'", name));
+        return fail(Fault::environment,
+                    fmt::format("the program was compiled without its kernel '{}'", kernel_name(planned.step)));
       }
       const std::array<std::uint32_t, 3> constants{kind.lists, kind.as_bytes, kind.with_regions};
       const auto used =

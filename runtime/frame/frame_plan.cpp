@@ -8,8 +8,9 @@
 namespace dmvv::runtime {
 namespace {
 
-constexpr std::array<const char*, resource_count> resource_names{
-    "surface", "pixels", "lists", "known", "leaders", "queues", "verdicts", "hits", "faults", "report", "home"};
+constexpr std::array<const char*, resource_count> resource_names{"surface", "tiles",   "notes",  "pixels",   "lists",
+                                                                 "known",   "leaders", "queues", "verdicts", "hits",
+                                                                 "faults",  "report",  "home"};
 constexpr std::array<const char*, DMVV_LISTS_OF_PIXELS> list_names{"open", "left", "leaders", "proven"};
 
 /// Adds the steps that evaluate the pixels of a list.
@@ -27,6 +28,15 @@ void evaluate_list(std::uint32_t list, const std::vector<bool>& stages_go_on, st
   }
 }
 
+void draw_surface(const FrameRequest& request, std::vector<PlannedStep>& steps) {
+  if (request.surface != SurfaceKind::rays) {
+    steps.push_back({request.surface == SurfaceKind::slice ? Step::slice : Step::raster});
+    return;
+  }
+  for (const Step step : {Step::set_out, Step::cones, Step::trace}) steps.push_back({step});
+  if (request.wants_normals) steps.push_back({Step::normals});
+}
+
 std::vector<PlannedStep> plan_tile(const FrameRequest& request, const KeptTile& kept) {
   const auto& [classifies, leads] = request.strategy;
   std::vector<PlannedStep> steps;
@@ -35,7 +45,7 @@ std::vector<PlannedStep> plan_tile(const FrameRequest& request, const KeptTile& 
     return steps;
   }
   if (!(request.passes.keep_surface && kept.surface)) {
-    steps.push_back({request.is_slice ? Step::slice : Step::raster});
+    draw_surface(request, steps);
   }
   steps.push_back({Step::clear});
   const bool lists = request.passes.pixel_list || !request.stages_go_on.empty();
@@ -106,6 +116,10 @@ const StepUse& use_of(Step step) {
   static const std::array<StepUse, step_count> uses{{
       {"raster", {}, {}, {R::surface}},
       {"slice", {}, {}, {R::surface}},
+      {"set out", {}, {}, {R::tiles, R::surface, R::notes}},
+      {"cones", {}, {}, {R::tiles}},
+      {"trace", {}, {}, {R::tiles, R::surface, R::notes}},
+      {"normals", {R::tiles, R::notes}, {}, {R::surface}},
       {"clear", {}, {}, {R::pixels, R::lists, R::leaders, R::queues, R::faults}},
       {"list", {R::surface}, {}, {R::lists}},
       {"classify", {R::surface, R::verdicts}, {}, {R::lists, R::known}},
@@ -118,8 +132,8 @@ const StepUse& use_of(Step step) {
       {"stage", {R::surface, R::lists}, {R::pixels, R::faults}, {R::queues}},
       {"distribute", {R::lists}, {}, {R::queues}},
       {"count hits", {R::lists, R::known, R::verdicts}, {R::hits}, {}},
-      {"report", {R::lists, R::faults}, {}, {R::report}},
-      {"bring home", {R::surface, R::pixels}, {}, {R::home}},
+      {"report", {R::lists, R::faults, R::tiles}, {}, {R::report}},
+      {"bring home", {R::surface, R::notes, R::pixels}, {}, {R::home}},
   }};
   return uses[static_cast<std::size_t>(step)];
 }

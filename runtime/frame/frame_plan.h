@@ -16,6 +16,8 @@ namespace dmvv::runtime {
 /// What the steps of a frame read and write.
 enum class Resource : std::uint8_t {
   surface,   ///< position and normal of each pixel
+  tiles,     ///< where rays begin, tile by tile, and the tiles that are not proven empty
+  notes,     ///< what is known of each pixel's ray
   pixels,    ///< colours and region numbers
   lists,     ///< pixels to be evaluated, to be painted, ...: entries and their counts
   known,     ///< what is proven of each listed pixel
@@ -27,11 +29,15 @@ enum class Resource : std::uint8_t {
   report,    ///< counts, in memory that the host reads
   home,      ///< pixels there
 };
-inline constexpr std::size_t resource_count = 11;
+inline constexpr std::size_t resource_count = 13;
 
 enum class Step : std::uint8_t {
   raster,        ///< the support mesh
   slice,         ///< a section's points, in place of it
+  set_out,       ///< rays, in place of both: what they are told
+  cones,         ///< how far all rays of a tile meet nothing; lists the tiles that are left
+  trace,         ///< what each ray meets first
+  normals,       ///< which way that faces
   clear,         ///< pixels, lists, leaders and queues before they are written
   list,          ///< which pixels show a surface
   classify,      ///< likewise, and which of them have a proven answer
@@ -47,7 +53,7 @@ enum class Step : std::uint8_t {
   report,        ///< how many pixels were evaluated, and for which the loop rounds did not suffice
   bring_home,    ///< pixels that the host wants
 };
-inline constexpr std::size_t step_count = 16;
+inline constexpr std::size_t step_count = 20;
 
 /// How steps use a resource. Additions go to different places or are atomic: any number of steps may add without
 /// waiting.
@@ -89,11 +95,15 @@ struct KeptTile {
   bool other_time = false;  ///< all that is wanted, but for the time
 };
 
+/// What a picture's surface is.
+enum class SurfaceKind : std::uint8_t { mesh, slice, rays };
+
 struct FrameRequest {
   glm::uvec2 size_px{0};  ///< what is rendered: the picture times the samples
   std::vector<Tile> tiles;
   std::vector<KeptTile> kept;  ///< of each tile
-  bool is_slice = false;
+  SurfaceKind surface = SurfaceKind::mesh;
+  bool wants_normals = true;  ///< of what rays meet
   FramePasses passes;
   Strategy strategy;
   bool brings_home = true;         ///< else the picture stays on the device

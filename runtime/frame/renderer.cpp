@@ -30,7 +30,14 @@ bool has_step(const TilePlan& tile, Step step) {
   return std::ranges::find(tile.steps, step, &PlannedStep::step) != tile.steps.end();
 }
 
-bool draws_surface(const TilePlan& tile) { return has_step(tile, Step::raster) || has_step(tile, Step::slice); }
+bool draws_surface(const TilePlan& tile) {
+  return has_step(tile, Step::raster) || has_step(tile, Step::slice) || has_step(tile, Step::trace);
+}
+
+SurfaceKind surface_of(const FrameSetup& setup) {
+  if (setup.slice) return SurfaceKind::slice;
+  return setup.rays ? SurfaceKind::rays : SurfaceKind::mesh;
+}
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -43,22 +50,24 @@ Renderer::Renderer(const Device::Impl& gpu, SceneOnDevice& scene, const compiler
     : gpu_(gpu),
       scene_(scene),
       judge_(std::move(judge)),
+      content_(program.content),
       kernels_(gpu, scene, program, make_set_layout(gpu, verdict_bindings)),
       rasteriser_(std::move(prepared)),
       strategies_({.has_judge = judge_ != nullptr, .has_leaders = kernels_.has_leaders()}) {}
 
 Result<Renderer::Job> Renderer::set_up(const View& view) {
   if (!rasteriser_) rasteriser_ = std::make_unique<Rasteriser>(gpu_);
-  if (!view.slice) {
+  if (!view.slice && !view.rays) {
     if (const auto set = rasteriser_->set_mesh(support_mesh(view)); !set) return tl::unexpected(set.error());
   }
-  auto setup = plan_frame_setup(view, rasteriser_->bounds(), longest_picture_px);
+  auto setup = plan_frame_setup(view, view.rays ? content_ : rasteriser_->bounds(), longest_picture_px);
   if (!setup) return tl::unexpected(setup.error());
   Job job;
   job.setup = std::move(*setup);
   job.passes = FramePasses::without(view.disabled_passes);
   job.outputs = {view.samples == 1 ? view.colors : Colors::floats,  // the mean of samples is taken in float
-                 view.want_regions || view.want_depth, view.want_depth || view.want_positions};
+                 view.want_regions || view.want_depth, view.want_depth || view.want_positions,
+                 view.want_doubt && view.rays && !view.slice};
   job.kind = {job.passes.pixel_list, job.outputs.colors == Colors::bytes, job.outputs.regions};
   const glm::uvec2 tile_px = largest_tile(job.setup.size_px, view.samples);
   job.extent = vk::Extent2D{tile_px.x, tile_px.y};
@@ -74,7 +83,14 @@ gpu::FrameParams Renderer::params_of(const Job& job, const Tile& tile) const {
 }
 
 SurfaceKey Renderer::surface_key(const Job& job, const Tile& tile) const {
-  return {job.setup.raster, job.setup.slice, rasteriser_->mesh_serial(), job.setup.has_caps, tile};
+  const bool is_of_rays = job.setup.rays.has_value();
+  return {job.setup.raster,
+          job.setup.slice,
+          is_of_rays,
+          is_of_rays ? scene_.time_values() : std::vector<float>{},
+          rasteriser_->mesh_serial(),
+          job.setup.has_caps,
+          tile};
 }
 
 /// What is asked of the tiles, and what their images hold of it. Tiles that share images hold nothing for each other.
@@ -82,7 +98,8 @@ FrameRequest Renderer::request(const Job& job, const std::vector<Tile>& tiles) {
   FrameRequest request{.size_px = job.setup.size_px,
                        .tiles = tiles,
                        .kept = {},
-                       .is_slice = job.setup.slice.has_value(),
+                       .surface = surface_of(job.setup),
+                       .wants_normals = job.setup.pixels.light.w != 0.0f,
                        .passes = job.passes,
                        .strategy = {},
                        .stages_go_on = kernels_.stages_go_on()};
@@ -117,6 +134,7 @@ void Renderer::make_images(const Job& job) {
   rasteriser_->set_extent(job.extent);
   const FrameNeeds needs{.leaders = kernels_.has_leaders(),
                          .verdicts = judge_ != nullptr,
+                         .rays = kernels_.has_rays(),
                          .stages = static_cast<std::uint32_t>(kernels_.stages_go_on().size())};
   images_.emplace(gpu_, kernels_.io_layout(), job.extent, job.tiles.size(), job.outputs, needs,
                   rasteriser_->take_surface(job.extent));
@@ -125,7 +143,7 @@ void Renderer::make_images(const Job& job) {
 /// Makes what is missing for this kind of picture, and draws a few pixels, so that the driver compiles it now. They are
 /// drawn into the frame's own images: lavapipe compiles a kernel anew for images whose sides are powers of two.
 Result<void> Renderer::warm_up(const Job& job, Timings* timings) {
-  const bool is_warm = job.setup.slice || rasteriser_->is_ready(job.setup);
+  const bool is_warm = job.setup.slice || (job.setup.rays ? has_traced_ : rasteriser_->is_ready(job.setup));
   const bool has_images = images_ && images_->serves(job.extent, job.tiles.size(), job.outputs);
   const bool has_kernels = kernels_.has_evaluation(job.kind);
   if (is_warm && has_images && has_kernels) return {};
@@ -136,6 +154,7 @@ Result<void> Renderer::warm_up(const Job& job, Timings* timings) {
   constexpr bool brings_home = true;  // whatever pictures do
   if (auto begun = begin(job, plan_job(job, corner, brings_home, strategies_), {}); !begun) return begun;
   end();
+  has_traced_ = has_traced_ || job.setup.rays;
   if (!has_kernels) strategies_.note_compilation(milliseconds_since(start));
   return {};
 }
@@ -189,11 +208,15 @@ void Renderer::settle(FrameUnderWay& frame) {
       held.shaded = std::move(tile.shading);
       done.worked = true;
       done.drew |= draws_surface(planned);
-      done.evaluated += evaluated_pixels(counted(held), frame.plan.strategy.leads);
+      done.evaluated += evaluated_pixels(counted(held).pixels, frame.plan.strategy.leads);
+    }
+    if (frame.job.setup.rays) {
+      done.doubtful += counted(held).rays.doubtful;
+      done.unfinished += counted(held).rays.unfinished;
     }
     held.is_home |= has_step(planned, Step::bring_home);
-    done.unfinished += counted(held).unfinished;
-    done.is_complete &= frame.job.setup.slice.has_value() || rasteriser_->is_complete();
+    done.unfinished += counted(held).pixels.unfinished;
+    done.is_complete &= surface_of(frame.job.setup) != SurfaceKind::mesh || rasteriser_->is_complete();
     if (frame.take) frame.take(tile.number);
   }
   frame.tiles.clear();
@@ -245,6 +268,7 @@ Result<void> Renderer::finish(Timings* timings) {
   if (!under_way_) return {};
   const Done done = end();
   strategies_.note_picture();
+  doubtful_ = done.doubtful;
   if (!done.is_complete) {
     return fail(Fault::input, "large triangles of the support mesh lie over each other too often to be drawn",
                 {"render a smaller picture, or move the eye out of the mesh"});
@@ -273,7 +297,8 @@ Result<Picture> Renderer::render(const View& view, Timings* timings) {
   if (auto begun = begin(*job, plan_job(*job, job->tiles, brings_home, strategies_), take); !begun)
     return tl::unexpected(std::move(begun.error()));
   if (auto done = finish(timings); !done) return tl::unexpected(std::move(done.error()));
-  if (!view.slice && !view.cuts.empty()) picture.edges = rasteriser_->edges();
+  picture.doubtful_rays = doubtful_;
+  if (!view.slice && !view.rays && !view.cuts.empty()) picture.edges = rasteriser_->edges();
   return picture;
 }
 

@@ -26,7 +26,7 @@ namespace dmvv::runtime {
 class Renderer {
  public:
   /// `prepared` may hold a rasteriser that was made while the program was compiled.
-  /// The judge may be null: then nothing is proven.
+  /// The judge may be null: then nothing is proven. The program may go.
   Renderer(const Device::Impl& gpu, SceneOnDevice& scene, const compiler::Program& program,
            std::shared_ptr<const compiler::Judge> judge, std::unique_ptr<Rasteriser> prepared);
 
@@ -53,9 +53,10 @@ class Renderer {
   struct Done {
     double device_ms = 0.0;
     std::uint32_t evaluated = 0, unfinished = 0;
-    bool drew = false;        ///< a surface
-    bool worked = false;      ///< evaluated anything
-    bool is_complete = true;  ///< all of the mesh has been drawn
+    std::uint64_t doubtful = 0;  ///< rays
+    bool drew = false;           ///< a surface
+    bool worked = false;         ///< evaluated anything
+    bool is_complete = true;     ///< all of the mesh has been drawn
   };
   /// Called with the number of each tile once its pixels are home: the next tile may overwrite them.
   using Take = std::function<void(std::size_t)>;
@@ -93,11 +94,14 @@ class Renderer {
   const Device::Impl& gpu_;
   SceneOnDevice& scene_;
   std::shared_ptr<const compiler::Judge> judge_;  ///< may be null
+  voml::Bounds content_;
   FrameKernels kernels_;
   std::unique_ptr<Rasteriser> rasteriser_;  ///< made for the first view, if it was not prepared
   std::optional<FrameImages> images_;
   std::optional<Verdicts> verdicts_;  ///< made before the second frame: one picture alone does without
   StrategyChoice strategies_;
+  bool has_traced_ = false;
+  std::uint64_t doubtful_ = 0;              ///< rays of the picture that was drawn last
   std::optional<FrameUnderWay> under_way_;  ///< goes before what it works on
 };
 

@@ -57,6 +57,7 @@ Picture empty_picture(const View& view) {
   const std::size_t pixels = std::size_t{view.size_px.x} * view.size_px.y;
   (view.colors == Colors::bytes ? picture.rgba8.resize(4 * pixels) : picture.rgba.resize(4 * pixels));
   if (view.want_regions) picture.regions.resize(pixels);
+  if (view.want_doubt && view.rays && !view.slice) picture.doubt.resize(pixels);
   if (view.want_depth) picture.depth.resize(pixels, std::numeric_limits<float>::infinity());
   if (view.want_positions) picture.positions.resize(pixels, glm::vec3(std::numeric_limits<float>::quiet_NaN()));
   return picture;
@@ -71,11 +72,12 @@ void resolve_tile(const TilePixels& from, const Tile& tile, const FrameSetup& se
     if (from.bytes != nullptr) {  // one sample a pixel, channels in the order of the bytes
       std::memcpy(&picture.rgba8[4 * row], from.bytes + y * pitch, 4 * std::size_t{size.x});
     }
-    if (from.bytes != nullptr && from.regions == nullptr && from.surface == nullptr) continue;
+    if (from.bytes != nullptr && from.regions == nullptr && from.surface == nullptr && from.notes == nullptr) continue;
     for (std::uint32_t x = 0; x < size.x; ++x) {
       const std::size_t source = y * samples * pitch + x * samples;
       const std::size_t pixel = row + x;
       if (from.colors != nullptr) put_color(mean_color(from.colors + source, pitch, samples), pixel, picture);
+      if (!picture.doubt.empty()) picture.doubt[pixel] = (from.notes[source] & DMVV_NOTE_DOUBT) != 0 ? 1 : 0;
       if (!picture.regions.empty()) picture.regions[pixel] = from.regions[source];
       if (!picture.depth.empty()) picture.depth[pixel] = depth_of(setup, from.regions[source], from.surface[source]);
       if (!picture.positions.empty()) picture.positions[pixel] = position_of(setup, from.surface[source]);

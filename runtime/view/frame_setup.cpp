@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -125,6 +126,16 @@ void plan_perspective(const View& view, const voml::Bounds& bounds, FrameSetup& 
   }
   raster.right = row(basis.right / tan_x, near_depth(bounds, eye, raster, glm::length(corner)));
 
+  if (view.rays) {
+    double depth = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 8; ++i) {
+      const glm::dvec3 p(i & 1 ? bounds.hi.x : bounds.lo.x, i & 2 ? bounds.hi.y : bounds.lo.y,
+                         i & 4 ? bounds.hi.z : bounds.lo.z);
+      depth = std::min(depth, glm::dot(basis.forward, p - eye));
+    }
+    const glm::dvec3 middle = corner + 0.5 * (step_x + step_y);  // of pixel (0, 0)
+    setup.rays = RayFrame{eye, middle, step_x, step_y, bounds, std::max(depth, 0.0)};
+  }
   setup.eye = eye;
   setup.forward = basis.forward;
   // From where the solid is left whole, sections are seen from within it only.
@@ -195,6 +206,26 @@ Result<FrameSetup> plan_frame_setup(const View& view, const voml::Bounds& bounds
     setup.seen = seen_in_perspective(setup, bounds, view.samples);
   }
   return setup;
+}
+
+gpu::RayParams ray_params(const FrameSetup& setup, glm::uvec2 corner_px, glm::uvec2 size_px) {
+  const RayFrame& frame = *setup.rays;
+  const glm::dvec3 corner = frame.corner + frame.step_x * double(corner_px.x) + frame.step_y * double(corner_px.y);
+  gpu::RayParams params{};
+  params.start = row(frame.eye + frame.depth * corner);
+  params.start_x = row(frame.depth * frame.step_x);
+  params.start_y = row(frame.depth * frame.step_y);
+  params.along = row(corner);
+  params.along_x = row(frame.step_x);
+  params.along_y = row(frame.step_y);
+  params.lo = row(frame.bounds.lo);
+  params.hi = row(frame.bounds.hi);
+  params.depth = static_cast<float>(frame.depth);
+  params.pixel = static_cast<float>(glm::length(frame.step_x));
+  params.tiles_x = (size_px.x + DMVV_RAY_TILE - 1) / DMVV_RAY_TILE;
+  params.cut_count = setup.raster.cut_count;
+  for (gpu::uint i = 0; i < params.cut_count; ++i) params.cuts[i] = setup.raster.cuts[i].plane;
+  return params;
 }
 
 glm::uvec2 largest_tile(glm::uvec2 rendered_px, std::uint32_t samples) {

@@ -170,6 +170,20 @@ Result<void> write_regions(const std::string& path, const Picture& picture) {
   });
 }
 
+Result<void> write_doubt(const std::string& path, const Picture& picture) {
+  return guarded_write(path, [&]() -> Result<void> {
+    if (auto fault = path_fault(path, {".exr", ".png", ".tif", ".tiff"})) return tl::unexpected(std::move(*fault));
+    if (picture.doubt.size() != pixel_count(picture) || picture.doubt.empty()) return missing(path, "doubt");
+    if (lower_ending(path) == ".exr") {
+      const std::vector<std::uint32_t> wide(picture.doubt.begin(), picture.doubt.end());
+      return write_channel(path, picture, "doubt", SampleType::u32, wide.data());
+    }
+    std::vector<std::uint8_t> grey(picture.doubt);
+    for (std::uint8_t& value : grey) value = value != 0 ? 255 : 0;
+    return write_channel(path, picture, "Y", SampleType::u8, grey.data());
+  });
+}
+
 Result<void> write_depth(const std::string& path, const Picture& picture) {
   return guarded_write(path, [&]() -> Result<void> {
     if (auto fault = path_fault(path, {".exr"})) return tl::unexpected(std::move(*fault));

@@ -22,7 +22,10 @@ struct Picture {
       depth;  ///< if asked for: distance along the view direction, root units (0 on a slice); infinity where empty
   std::vector<glm::vec3> positions;  ///< if asked for: the point evaluated at sample (0, 0), root coordinates; NaN
                                      ///< where there is no surface
-  voml::EdgeFaults edges;            ///< of the support mesh when cut: caps of a mesh that is not closed may leak
+  std::vector<std::uint8_t> doubt;  ///< if asked for, of pictures by rays: 1 where something thin may have been missed,
+                                    ///< at sample (0, 0)
+  std::uint64_t doubtful_rays = 0;
+  voml::EdgeFaults edges;  ///< of the support mesh when cut: caps of a mesh that is not closed may leak
 };
 
 /// Is any pixel not wholly transparent?
@@ -41,5 +44,8 @@ Result<void> write_picture(const std::string& path, const Picture& picture);
 Result<void> write_regions(const std::string& path, const Picture& picture);
 /// Depth: .exr, one float channel "Z".
 Result<void> write_depth(const std::string& path, const Picture& picture);
+/// Where something thin may have been missed: .png / .tif (8 bit grey, 255 there), .exr (one uint channel "doubt", 1
+/// there).
+Result<void> write_doubt(const std::string& path, const Picture& picture);
 
 }  // namespace dmvv::runtime

@@ -37,6 +37,8 @@ enum class Colors : std::uint8_t { floats, bytes };
 struct View {
   glm::uvec2 size_px{1280, 720};
   Camera camera;
+  /// What each pixel's ray meets first is seen; the mesh is ignored. Needs the kernels `rays` and `normals`.
+  bool rays = false;
   std::shared_ptr<const voml::Mesh> mesh;  ///< support mesh; null: the standard cube
   std::vector<Plane> cuts;                 ///< n.x > d is taken away, the section is capped; at most 64
   std::optional<Plane> slice;      ///< a section instead of a perspective picture; camera, mesh, cuts are ignored
@@ -50,6 +52,7 @@ struct View {
   bool want_regions = false;
   bool want_depth = false;
   bool want_positions = false;
+  bool want_doubt = false;
   std::vector<std::string> disabled_passes;  ///< names of frame_pass_names(), frame_passes.h
 };
 

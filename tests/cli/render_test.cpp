@@ -110,9 +110,15 @@ TEST_CASE("a picture with nothing in it says so, and how to see something") {
     CHECK(run.exit_code == 0);
     return run.err;
   };
-  CHECK(with({}).find("warning: nothing to see") != std::string::npos);
+  CHECK(with({}).empty());
+  const std::string beside = with({"--camera", "eye 0 0 4 look 0 9 4"});
+  CHECK(beside.find("warning: nothing to see: no ray meets anything; all that the scene holds lies between (-0.5") !=
+        std::string::npos);
+  const std::string cube = std::string(DMVV_SOURCE_DIR) + "/tests/cli/cube.obj";
+  CHECK(with({"--mesh", cube}).find("warning: nothing to see: the scene is empty wherever the support mesh is seen") !=
+        std::string::npos);
   CHECK(with({"--slice", "z=0.9"}).find("empty on this section") != std::string::npos);
-  CHECK(with({"--quiet"}).empty());
+  CHECK(with({"--quiet", "--camera", "eye 0 0 4 look 0 9 4"}).empty());
   CHECK(with({"--cut", "0 0 1 0"}).empty());
   CHECK(with({"--slice", "z=0"}).empty());
 }

@@ -48,7 +48,7 @@ inline compiler::Module lowered(const std::string& text, Files files = {}) {
 
 /// Makes SPIR-V of all kernels, checked by spirv-val.
 inline void translate(compiler::Program& program) {
-  for (const auto source : {compiler::Source::points, compiler::Source::surface}) {
+  for (const auto source : {compiler::Source::points, compiler::Source::surface, compiler::Source::rays}) {
     const auto made = compiler::to_spirv(program, source);
     if (!made) {
       for (const auto& reason : made.error().reasons) MESSAGE(reason);

@@ -15,9 +15,11 @@ FrameRequest request_of(Strategy strategy, std::vector<bool> stages_go_on = {}) 
   return {.size_px = {1920, 1080},
           .tiles = {{{0, 0}, {1920, 1080}}},
           .kept = {{}},
-          .is_slice = false,
+          .surface = SurfaceKind::mesh,
+          .wants_normals = true,
           .passes = {},
           .strategy = strategy,
+          .brings_home = true,
           .stages_go_on = std::move(stages_go_on)};
 }
 
@@ -64,12 +66,23 @@ TEST_CASE("stages follow each other; pixels go on only from those that say so") 
 
 TEST_CASE("a slice has no mesh; without lists all pixels are evaluated") {
   FrameRequest request = request_of({});
-  request.is_slice = true;
+  request.surface = SurfaceKind::slice;
   request.passes.pixel_list = false;
   const FramePlan plan = plan_frame(request);
   CHECK(steps_of(plan.tiles[0]) ==
         std::vector{Step::slice, Step::clear, Step::evaluate, Step::report, Step::bring_home});
   CHECK(plan.tiles[0].steps[2].list == no_list);
+}
+
+TEST_CASE("rays: tiles first, then the pixels of those that are left, then which way what they met faces") {
+  FrameRequest request = request_of({});
+  request.surface = SurfaceKind::rays;
+  check_golden("rays", plan_frame(request));
+  CHECK(steps_of(plan_frame(request).tiles[0]) == std::vector{Step::set_out, Step::cones, Step::trace, Step::normals,
+                                                              Step::clear, Step::list, Step::count_lists,
+                                                              Step::evaluate, Step::report, Step::bring_home});
+  request.wants_normals = false;
+  CHECK(steps_of(plan_frame(request).tiles[0])[3] == Step::clear);
 }
 
 TEST_CASE("what the images hold is not done again, tile by tile") {
