@@ -271,6 +271,8 @@ int animate(const AnimateOptions& options, Context& context) {
   view.disabled_passes = form.disabled_passes;
   const Plan plan = make_plan(options, view.size_px);
   form.many_frames = plan.range.last > plan.range.first;
+  view.rays = view.rays && form.codegen != compiler::Codegen::thesis;  // which draws the cube's faces
+  form.rays = view.rays;
 
   session::Session session = make_session(options.device, context);
   Diagnostics diagnostics(options.scene.strict);
@@ -292,10 +294,10 @@ int animate(const AnimateOptions& options, Context& context) {
   }
   context.stopwatch.lap("resume");
 
-  session.prepare_surface(view);
+  if (!view.rays) session.prepare_surface(view);
   runtime::Timings timings;
-  runtime::Evaluator evaluator =
-      load(session, std::move(scene), form, compiler::Source::surface, context, diagnostics, &timings).evaluator;
+  auto [program, evaluator] = load(session, std::move(scene), form, kernels_for(view), context, diagnostics, &timings);
+  frame_content(view, options.view, program.content);
   context.stopwatch.lap(timings, "other");
 
   notice_signals();

@@ -136,7 +136,7 @@ int render(const RenderOptions& options, Context& context) {
   if (options.picture.ends_with(".png")) view.colors = runtime::Colors::bytes;
   compiler::CompileOptions form = compile_options(options.codegen);
   view.disabled_passes = form.disabled_passes;
-  view.rays = options.view.mesh.empty() && options.view.slice.empty();
+  view.rays = view.rays && form.codegen != compiler::Codegen::thesis;  // which draws the cube's faces
   form.rays = view.rays;
   Outputs outputs;
   announce(outputs, options, aovs);
@@ -147,11 +147,8 @@ int render(const RenderOptions& options, Context& context) {
   place_camera(view, options.view, disk_files(), context, diagnostics);
   if (!view.rays) session.prepare_surface(view);
   runtime::Timings timings;
-  auto [program, evaluator] =
-      load(session, std::move(scene), form, view.rays ? compiler::Source::rays : compiler::Source::surface, context,
-           diagnostics, &timings);
-  if (view.rays && options.view.camera.empty())
-    view.camera = runtime::default_camera(program.content, view.size_px, view.cuts);
+  auto [program, evaluator] = load(session, std::move(scene), form, kernels_for(view), context, diagnostics, &timings);
+  frame_content(view, options.view, program.content);
   const runtime::Picture picture = must(evaluator.render(view, &timings));
   context.stopwatch.lap(timings, "other");
 

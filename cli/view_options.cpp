@@ -14,11 +14,12 @@ SeenOptions add_seen_options(CLI::App& command, ViewOptions& options) {
   auto* camera = command
                      .add_option("--camera", options.camera,
                                  "\"eye X Y Z look X Y Z fov DEGREES\", \"up X Y Z\" optional; default: a camera that "
-                                 "frames the mesh")
+                                 "frames all that is there")
                      ->type_name("TEXT");
-  auto* mesh =
-      command.add_option("--mesh", options.mesh, "Support mesh (OBJ, PLY, STL, OFF); default: the standard cube")
-          ->type_name("FILE");
+  auto* mesh = command
+                   .add_option("--mesh", options.mesh,
+                               "Draw the points of a support mesh only (OBJ, PLY, STL, OFF), instead of what rays meet")
+                   ->type_name("FILE");
   auto* cut = command.add_option("--cut", options.cuts, "\"NX NY NZ D\" takes away n.x > D (repeatable)")
                   ->type_name("PLANE")
                   ->allow_extra_args(false);
@@ -49,6 +50,7 @@ runtime::View parse_view(const ViewOptions& options) {
   }
   view.shading = options.shading == "lit" ? runtime::Shading::lit : runtime::Shading::none;
   view.samples = options.samples;
+  view.rays = options.mesh.empty() && !view.slice;
   return view;
 }
 
@@ -76,9 +78,17 @@ void place_camera(runtime::View& view, const ViewOptions& options, const ReadFil
                   Diagnostics& diagnostics) {
   if (!options.mesh.empty())
     view.mesh = std::make_shared<const voml::Mesh>(read_mesh(options.mesh, context, diagnostics, files));
-  if (options.camera.empty() && !view.slice)
+  if (options.camera.empty() && !view.slice && !view.rays)
     view.camera = runtime::default_camera(voml::bounds(*runtime::support_mesh(view)), view.size_px, view.cuts);
   warn_of_deep_zoom(view, context);
+}
+
+compiler::Source kernels_for(const runtime::View& view) {
+  return view.rays ? compiler::Source::rays : compiler::Source::surface;
+}
+
+void frame_content(runtime::View& view, const ViewOptions& options, const voml::Bounds& content) {
+  if (view.rays && options.camera.empty()) view.camera = runtime::default_camera(content, view.size_px, view.cuts);
 }
 
 void warn_of_edges(const voml::EdgeFaults& edges, const ViewOptions& options, const Context& context) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cli/options.h"
+#include "compiler/compile.h"
 #include "runtime/view/view.h"
 
 namespace dmvv::cli {
@@ -30,13 +31,20 @@ SeenOptions add_seen_options(CLI::App& command, ViewOptions& options);
 /// Those, and --slice, --shading, --samples.
 void add_view_options(CLI::App& command, ViewOptions& options);
 
-/// What the texts of the options say, or wrong usage. The camera waits for the mesh it frames.
+/// What the texts of the options say, or wrong usage. Without a mesh and a slice, rays are cast. The camera waits for
+/// what it frames.
 runtime::View parse_view(const ViewOptions& options);
 
-/// Reads the support mesh by way of `files` (none: the standard cube), and sets the camera that frames it unless one
-/// was chosen. Mistakes are printed and stop the command.
+/// Reads the support mesh by way of `files`, if there is one, and sets the camera that frames it unless one was chosen.
+/// Mistakes are printed and stop the command.
 void place_camera(runtime::View& view, const ViewOptions& options, const ReadFile& files, Context& context,
                   Diagnostics& diagnostics);
+
+/// The kernels that draw the view.
+compiler::Source kernels_for(const runtime::View& view);
+
+/// Sets the camera of a picture by rays, unless one was chosen: it frames all that the scene holds.
+void frame_content(runtime::View& view, const ViewOptions& options, const voml::Bounds& content);
 
 /// Says that cutting a mesh that is not closed may show leaks.
 void warn_of_edges(const voml::EdgeFaults& edges, const ViewOptions& options, const Context& context);

@@ -10,6 +10,7 @@
 #include "compiler/glsl/kernel.h"
 #include "compiler/grids/texels.h"
 #include "compiler/ir/legend.h"
+#include "compiler/ir/opacity.h"
 #include "compiler/layout/atlas.h"
 #include "compiler/layout/flatten.h"
 #include "compiler/layout/resources.h"
@@ -39,7 +40,8 @@ bool has_rays(const CompileOptions& options) { return options.rays && options.co
 /// Is there a kernel that tells how far answers hold?
 bool tells_reach(const CompileOptions& options) { return has_leaders(options) || has_rays(options); }
 
-bool has_kernel(const CompileOptions& options, const KernelSpec& kernel) {
+bool has_kernel(const CompileOptions& options, const Uses& uses, const KernelSpec& kernel) {
+  if (kernel.query.medium) return uses.media;
   if (kernel.source == Source::rays || kernel.source == Source::hits) return has_rays(options);
   return !kernel.query.radius || has_leaders(options);
 }
@@ -90,6 +92,21 @@ void name_united(Records& records, const Module& module, const std::map<Id<Objec
   }
 }
 
+/// Tells the walker how steep sources are, in the units in which values are stored.
+void tell_steepness(Records& records, const Module& module, const Atlas& grids,
+                    const std::vector<Steepness>& steepness) {
+  for (std::size_t i = 0; i < records.sdfs.size(); ++i) {
+    const auto* grid = std::get_if<Id<voml::Grid>>(&module.sdfs[i].source);
+    const double scale = grid != nullptr ? grids.scales[grid->index] : 1.0;
+    const auto flatness = [&](std::size_t band) {
+      return static_cast<float>((1.0 - 1e-6) / std::clamp(steepness[i].slopes[band] / scale, 1e-30, 1e30));
+    };
+    const double error = 2.0 * steepness[i].error / scale;  // both points that are compared are off
+    records.sdfs[i].flatness = {flatness(0), flatness(1), flatness(2), static_cast<float>(std::min(error, 1e30))};
+    records.sdfs[i].widths = {steepness[i].widths[0] / scale, steepness[i].widths[1] / scale, 0.0, 0.0};
+  }
+}
+
 /// Texels where generated code is to read them, the device has some, and no buffer has too many.
 RecordAccess record_access(const Program& program, const CompileOptions& options) {
   const std::uint32_t most = options.max_texel_buffer_elements;
@@ -115,7 +132,7 @@ std::vector<Shader> write_shaders(const Evaluation& evaluation, std::uint32_t de
 void write_kernels(Program& program, const Evaluation& evaluation, RecordAccess access, const CompileOptions& options) {
   for (Buffer& buffer : program.buffers) buffer.form = find_scene_buffer(buffer.binding)->form(access);
   for (const KernelSpec& kernel : kernel_specs) {
-    if (!has_kernel(options, kernel)) continue;
+    if (!has_kernel(options, evaluation.uses, kernel)) continue;
     program.kernels.push_back({kernel, write_shaders(evaluation, program.depth, kernel, access)});
   }
 }
@@ -319,7 +336,8 @@ Written write_evaluation(const Module& module, const Atlases& atlases, const Tap
       .stages = has_code && is_enabled(options, "stages") ? std::optional(options.stages) : std::nullopt,
       .write_stages = options.many_frames,
       .steepness = tells_reach(options) ? &steepness : nullptr,
-      .rays = has_rays(options)};
+      .rays = has_rays(options),
+      .media = has_rays(options) && has_media(module)};
   const auto write = [&](std::vector<SeedChain> chains) {
     Records records = options.codegen == Codegen::thesis
                           ? flatten_thesis(module, atlases.grids, atlases.bitmaps)
@@ -331,6 +349,7 @@ Written write_evaluation(const Module& module, const Atlases& atlases, const Tap
   // The walker knows no chains.
   if (written.evaluation.uses.walker && !written.records.chains.empty()) written = write({});
   name_united(written.records, module, written.evaluation.united);
+  if (tells_reach(options)) tell_steepness(written.records, module, atlases.grids, steepness);
   return written;
 }
 

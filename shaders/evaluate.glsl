@@ -20,10 +20,18 @@ uint hit_levels = 0u;
 uint hit_path[2 * DMVV_DEPTH];  // (region, candidate) a level
 #endif
 
+#ifdef DMVV_QUERY_MEDIUM
+mat3 hit_linear = mat3(1.0);  // a step in the root -> the step in that object
+void note_frame();            // shaders/reach.glsl
+#endif
+
 void answer(uint region, uint number, vec3 p, uint level) {
   hit_number = number;
   hit_region = region;
   hit_p = p;
+#ifdef DMVV_QUERY_MEDIUM
+  note_frame();
+#endif
 #ifdef DMVV_QUERY_PATH
   hit_levels = level + 1u;
   hit_path[2u * level] = region;

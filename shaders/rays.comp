@@ -6,50 +6,6 @@
 // least step; between a point where nothing is and one where something is, the boundary is found by their distances from
 // it. Every loop round is one evaluation, whatever the ray is at.
 
-// How far the ray goes through what is left of the scene.
-struct Span {
-  float first, last;  // s; first > last: not at all
-  vec3 normal;        // of the plane through which it enters; 0: the eye is within
-};
-
-// What dot(n, x) <= d leaves of a ray.
-void cut_span(inout Span span, Ray ray, vec3 n, float d) {
-  float gap = d - dot(n, ray.start), speed = dot(n, ray.along);
-  if (speed > 0.0) span.last = min(span.last, gap / speed);
-  if (speed == 0.0 && gap < 0.0) span.last = -3.0e38;
-  if (speed < 0.0 && gap / speed > span.first) {
-    span.first = gap / speed;
-    span.normal = n;
-  }
-}
-
-// The least that holds all that it leaves of a tile's rays, which differ by `spread` at depth 1.
-void cut_cone(inout Span span, Ray ray, vec3 n, float d, float spread) {
-  float speed = dot(n, ray.along), least = speed - spread;
-  float eye_gap = d - dot(n, ray.start) + rays.depth * speed;
-  float error = 2e-6 * (abs(rays.depth * speed) + 1.0);
-  if (eye_gap > error && least > 0.0) span.last = min(span.last, (eye_gap + error) / least - rays.depth);
-  if (eye_gap < -error && least < 0.0) span.first = max(span.first, (eye_gap + error) / least - rays.depth);
-  if (eye_gap < -error && least >= 0.0) span.last = -3.0e38;
-}
-
-void cut(inout Span span, Ray ray, vec3 n, float d, float spread) {
-  if (spread == 0.0) cut_span(span, ray, n, d);
-  else cut_cone(span, ray, n, d, spread);
-}
-
-Span span_of(Ray ray, float spread) {
-  Span span = Span(-rays.depth, 3.0e38, vec3(0.0));
-  cut(span, ray, vec3(1.0, 0.0, 0.0), rays.hi.x, spread);
-  cut(span, ray, vec3(0.0, 1.0, 0.0), rays.hi.y, spread);
-  cut(span, ray, vec3(0.0, 0.0, 1.0), rays.hi.z, spread);
-  cut(span, ray, vec3(-1.0, 0.0, 0.0), -rays.lo.x, spread);
-  cut(span, ray, vec3(0.0, -1.0, 0.0), -rays.lo.y, spread);
-  cut(span, ray, vec3(0.0, 0.0, -1.0), -rays.lo.z, spread);
-  for (uint i = 0u; i < rays.cut_count; ++i) cut(span, ray, rays.cuts[i].xyz, rays.cuts[i].w, spread);
-  return span;
-}
-
 // How far a tile's rays are from its middle one, at depth 1.
 float spread_of(Ray middle, vec2 corner) {
   const vec2 size = vec2(DMVV_RAY_TILE - 1u);
@@ -60,15 +16,6 @@ float spread_of(Ray middle, vec2 corner) {
   return 1.0001 * most;
 }
 
-// Of the distance that an answer holds, and of what is computed from it.
-const float safe = 0.9999;
-// Root units by which two points of a ray can be told apart.
-const float resolution = 3.0e-7;
-const float nowhere = 3.0e38;
-// What is thinner counts for nothing (compiler/rays/ray.h); right before a boundary it is not looked for.
-const float sure = 4.0e-6;
-const int most_predictions = 6;
-const float before_boundary = 0.5;  // pixel widths
 // A ray goes on twice as far as an answer holds if the next one is expected to hold back to there: so much of that.
 const float bold = 0.98;
 
@@ -122,9 +69,9 @@ void main() {
         goes_on = !is_stopped && s <= span.last;
       } else {
         bool was_met = full != nowhere, is_first = s == span.first;
-        // What is not proven of the last step; a bold one is taken back then.
+        // What is not proven of the last step. One that went further than it had to is taken back then.
         float unproven = is_first ? 0.0 : s - empty - empty_holds - (is_full ? 0.0 : holds);
-        bool is_taken_back = is_bold && unproven > 0.0;
+        bool is_taken_back = is_bold && unproven > (is_full ? shortest : 0.0);
         float slowdown = is_first || was_met ? 1.0 : clamp((empty_holds - holds) / (s - empty), 0.0, 1.0);
         if (!is_taken_back) {
           doubted = !is_full && !was_met && unproven > 0.0 ? s : doubted;
@@ -141,12 +88,12 @@ void main() {
         float share = refinements < most_predictions ? clamp(empty_margin / (empty_margin + full_margin), 0.0, 1.0) : 0.5;
         float boundary = empty + share * (full - empty), aside = 0.4 * sure / speed;
         boundary += refinements >= most_predictions ? 0.0 : full - boundary > 2.0 * aside ? aside : -aside;
-        is_bold = !is_taken_back && empty_holds > shortest;
-        // A little further than proven: so a wall that bounds what is asked, but no answer, is no hindrance.
-        float step = empty_holds + shortest, bold_step = empty_holds * bold * 2.0 / (1.0 + slowdown);
-        is_bold = is_bold && bold_step > step;
+        // At least a little further than proven: so a wall that bounds what is asked, but no answer, is no hindrance.
+        float bold_step = empty_holds * (empty_holds > shortest ? bold * 2.0 / (1.0 + slowdown) : 1.0);
+        is_bold = !is_taken_back && empty_holds > 0.25 * shortest;
+        float step = is_taken_back ? empty_holds : max(empty_holds + shortest, bold_step);
         float between = clamp(boundary, mix(empty, full, 0.01), mix(empty, full, 0.99));
-        float next = is_met ? between : min(empty + (is_bold ? bold_step : step), span.last);
+        float next = is_met ? between : min(empty + step, span.last);
         goes_on = goes_on && (is_met ? !is_refined && next > empty && next < full
                                      : empty + empty_holds < span.last && empty < span.last);
         s = goes_on ? next : s;
@@ -160,7 +107,7 @@ void main() {
     return;
   }
   const bool is_met = full != nowhere, is_section = full == span.first && begins_within;
-  const bool is_before_boundary = is_met && (full - doubted) * speed <= before_boundary * rays.pixel * (full + rays.depth);
+  const bool is_before_boundary = is_met && (full - doubted) * speed <= beside_boundary * rays.pixel * (full + rays.depth);
   const bool is_doubtful = steps >= DMVV_MOST_RAY_STEPS || (doubted != -nowhere && !is_before_boundary);
   // Within something the eye sees that.
   vec3 normal = is_section && span.normal != vec3(0.0) ? span.normal : -ray.along;

@@ -13,7 +13,7 @@ namespace dmvv::gpu {
 #define DMVV_RAY_TILE 8u           // pixels each way that set out together: a group of `rays`
 #define DMVV_MOST_RAY_STEPS 2048   // of one ray, and of one tile's cone
 #define DMVV_LEAST_STEP 0.0625     // of a ray where nothing is proven, in widths of its pixel
-#define DMVV_PATIENCE 64           // steps after which the least step grows,
+#define DMVV_PATIENCE 160          // steps after which the least step grows,
 #define DMVV_IMPATIENCE 1.125      // by so much each time, up to a pixel's width
 
 // What is known of a pixel's ray, bit by bit (DMVV_BIND_RAY_NOTES).

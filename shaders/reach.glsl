@@ -1,8 +1,11 @@
 // How far an answer holds: while it is found, what each step says of the points nearby is kept. Comes after
 // shaders/evaluate.glsl, in programs whose generator was told how steep their sources are (compiler/proofs/steepness.h).
 // DMVV_QUERY_RADIUS: the kernel asks how far. DMVV_QUERY_GRADIENT: it asks what decides the boundary nearest to the point.
-// In the other kernels all of this is nothing.
+// DMVV_QUERY_MEDIUM: it asks for the frame of the answer. In the other kernels all of this is nothing.
 #if defined(DMVV_QUERY_RADIUS) || defined(DMVV_QUERY_GRADIENT)
+#if defined(DMVV_QUERY_GRADIENT) || defined(DMVV_QUERY_MEDIUM)
+#define DMVV_FRAMES
+#endif
 
 // All points within this distance of the point (root coordinates) get the same answer; not positive: nothing is known.
 float reach = 3.0e38;
@@ -14,19 +17,23 @@ float margin = 3.0e38;
 struct Local {
   float stretch;
   float error;
-#ifdef DMVV_QUERY_GRADIENT
+#ifdef DMVV_FRAMES
   mat3 linear;  // a step in the root -> the step here
 #endif
 };
 
 Local local_of(float stretch, float error, mat3 linear) {
-#ifdef DMVV_QUERY_GRADIENT
+#ifdef DMVV_FRAMES
   return Local(stretch, error, linear);
 #else
   return Local(stretch, error);
 #endif
 }
 Local local = local_of(1.0, 0.0, mat3(1.0));
+
+#ifdef DMVV_QUERY_MEDIUM
+void note_frame() { hit_linear = local.linear; }
+#endif
 
 #ifdef DMVV_QUERY_GRADIENT
 // What the nearest boundary is of, as far as is known: the source of an SDF, or the wall of a box.
@@ -64,6 +71,27 @@ void limit(float distance, float slope) {
 
 void near_boundary(float distance) { margin = min(margin, distance / local.stretch); }
 
+// What limits a part of an evaluation, apart from the rest.
+struct Limits {
+  float reach, margin;
+};
+Limits take_limits() {
+  Limits limits = Limits(reach, margin);
+  reach = margin = 3.0e38;
+  return limits;
+}
+void keep(Limits limits) {
+  reach = min(reach, limits.reach);
+  margin = min(margin, limits.margin);
+}
+// A test and what was asked behind it (whose limits are those that hold now): the answer is known if the test comes out so
+// (`is_known`); the other one may be the same (`is_same`).
+void choose(Limits test, bool is_known, bool is_same) {
+  bool both = is_known && is_same;
+  reach = both ? max(reach, test.reach) : is_known ? test.reach : is_same ? reach : min(reach, test.reach);
+  margin = both ? max(margin, test.margin) : is_known ? test.margin : is_same ? margin : min(margin, test.margin);
+}
+
 // The value is that of the source of `sdf` (an index into sdfs, with DMVV_AT_SOURCE where p is a point of its own frame).
 // Of values nearer to iso than `widths` it changes at most by 1 / flatness (compiler/proofs/steepness.h).
 bool below(float value, float iso, vec2 widths, vec3 flatness, float error, uint sdf, vec3 p) {
@@ -77,7 +105,8 @@ bool below(float value, float iso, vec2 widths, vec3 flatness, float error, uint
 // To the next wall of a box beyond which something is not asked.
 void limit_box(vec3 q, vec3 lo, vec3 hi, float slope, float error) {
   vec3 d = max(lo - q, q - hi);
-  float wall = abs(max(d.x, max(d.y, d.z)));
+  vec3 outside = max(d, vec3(0.0));
+  float within = max(d.x, max(d.y, d.z)), wall = within > 0.0 ? length(outside) : -within;
   limit(wall - error, slope);
   near_boundary(wall);
   decide(wall + least_wall * local.stretch, DMVV_WALL, wall_normal(q - 0.5 * (lo + hi), d));
@@ -107,7 +136,7 @@ void limit_cell(vec3 p, vec3 lo, vec3 cells_per_unit, uvec3 size, uint first_cel
 
 mat3 linear_of(AffineRows a) { return transpose(mat3(a.x.xyz, a.y.xyz, a.z.xyz)); }
 mat3 within(Local outer, mat3 linear) {
-#ifdef DMVV_QUERY_GRADIENT
+#ifdef DMVV_FRAMES
   return linear * outer.linear;
 #else
   return linear;
@@ -136,6 +165,7 @@ void limit_box(vec3 q, vec3 lo, vec3 hi, float slope, float error) {}
 void limit_cube(vec3 q, float slope, float error) {}
 void limit_tile(vec3 q) {}
 void limit_cell(vec3 p, vec3 lo, vec3 cells_per_unit, uvec3 size, uint first_cell) {}
+mat3 linear_of(AffineRows a) { return mat3(1.0); }
 Local placed(Local outer, AffineRows a, float skew, float error) { return outer; }
 Local scaled(Local outer, float stretch, float error, mat3 linear) { return outer; }
 

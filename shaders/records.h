@@ -47,6 +47,7 @@ using uvec4 = glm::uvec4;
 #define DMVV_BIND_RAYS 12       // RayParams, uniform
 #define DMVV_BIND_RAY_TILES 13  // RayTilesHeader, then two words a tile
 #define DMVV_BIND_RAY_NOTES 14  // r32ui: of each pixel DMVV_NOTE_*
+#define DMVV_BIND_MEDIA 15      // vec4[]: of each pixel what is seen of media, premultiplied, and what they absorb
 
 // ---- bindings of descriptor set 2 of `classify`: two trees of verdicts, one for ever, one for a span of time ----
 #define DMVV_BIND_VERDICT_WORDS 0
@@ -178,6 +179,8 @@ struct SdfRecord {
   vec4 box_hi;
   vec4 atlas_scale;
   vec4 atlas_offset;
+  vec4 flatness;         // xyz: one over the slopes of the bands around iso; w: what a value may be off (0: unknown)
+  vec4 widths;           // xy: of the first two bands (compiler/proofs/steepness.h)
   LookupRecord lookup;   // of the seeds
   uint kind;             // DMVV_KIND_*
   uint first_placement;  // into placements
@@ -238,7 +241,7 @@ static_assert(sizeof(PixelListHeader) == 80);
 static_assert(sizeof(QueueHeader) == 28 * DMVV_MOST_STAGES);
 static_assert(sizeof(AffineRows) == 48);
 static_assert(sizeof(NodeRecord) == 16);
-static_assert(sizeof(SdfRecord) == 128);
+static_assert(sizeof(SdfRecord) == 160);
 static_assert(sizeof(RegionRecord) == 112);
 static_assert(sizeof(LookupRecord) == 48);
 static_assert(sizeof(GroupRecord) == 112);

@@ -1,5 +1,6 @@
 // Colours of regions as GLSL.
 #include "compiler/glsl/generator.h"
+#include "compiler/ir/opacity.h"
 #include "compiler/snippet/glsl_literal.h"
 
 namespace dmvv::compiler {
@@ -23,6 +24,33 @@ void Generator::emit_colors() {
   close();
   line("");
   add("color_of");
+}
+
+void Generator::emit_media() {
+  open("bool is_medium(uint region)");
+  std::string test = "false";
+  for (std::size_t i = 0; i < module_.regions.size(); ++i) {
+    if (compiler::is_medium(module_, module_.regions[i])) test += fmt::format(" || region == {}u", i);
+  }
+  line("return {};", test);
+  close();
+  line("");
+  add("is_medium");
+
+  // Of bitmaps a share of a texel's width in the root, if nothing enlarges the object.
+  open("float medium_step(uint region)");
+  line("float step = 3.0e38;");
+  for (std::size_t i = 0; i < module_.regions.size(); ++i) {
+    const Region& region = module_.regions[i];
+    if (region.kind != voml::RegionKind::bitmap || !compiler::is_medium(module_, region)) continue;
+    const double texels =
+        at(module_.bitmaps, region.bitmap).n * 0.5 * largest_stretch(region.texture_from_object.linear);
+    line("if (region == {}u) step = {};", fmt::format("{}", i), glsl_float(static_cast<float>(0.125 / texels)));
+  }
+  line("return step;");
+  close();
+  line("");
+  add("medium_step");
 }
 
 void Generator::emit_constant_colors() {

@@ -59,6 +59,7 @@ void Generator::write(CodePlan plan) {
   }
   emit_colors();
   if (reaches()) emit_bitmap_test();
+  if (options_.media) emit_media();
   line("void evaluate(vec3 p) { {}; }", call(module_.root, "p", "0u"));
   add("evaluate");
 }
@@ -66,6 +67,7 @@ void Generator::write(CodePlan plan) {
 std::vector<std::string> Generator::scene_functions() const {
   std::vector<std::string> names{"color_of", "evaluate"};
   if (reaches()) names.emplace_back("has_bitmap");
+  if (options_.media) names.insert(names.end(), {"is_medium", "medium_step"});
   if (!plan_.cut[module_.root.index]) names.insert(names.begin(), object_name(module_.root));
   return names;
 }
@@ -93,6 +95,7 @@ Evaluation Generator::finish() {
   }
   out_.has_function_switch = (options_.rays || plan_.walks()) && !module_.functions.empty();
   out_.glsl = families_.take(scene_functions());
+  if (options_.rays) out_.function_switch = families_.take(walker_functions());
   out_.inlined_lines = plan_.inlined_lines;
   out_.object_forms = std::move(plan_.object_forms);
   return std::move(out_);
@@ -131,6 +134,7 @@ void Generator::use_walker() {
 
 void Generator::use_rays() {
   out_.uses.rays = out_.uses.placements = true;
+  out_.uses.media = options_.media;
   if (!plan_.walks() && !module_.functions.empty()) emit_function_switch();
 }
 

@@ -34,6 +34,7 @@ struct Uses {
   bool region_colors = false;  ///< regions, for their colours
   bool reach = false;          ///< the text tells how far its answers hold, if its kernel asks
   bool rays = false;           ///< sdfs, for gradients of what decides boundaries
+  bool media = false;          ///< rays go through some regions
 };
 
 struct GlslOptions {
@@ -50,6 +51,7 @@ struct GlslOptions {
   bool write_stages = false;           ///< or only count them
   const std::vector<Steepness>* steepness = nullptr;  ///< of each SDF's source: for answers that tell how far they hold
   bool rays = false;                                  ///< there are kernels for rays
+  bool media = false;                                 ///< and one for media
 };
 
 struct StageText {
@@ -61,6 +63,7 @@ struct StageText {
 struct Evaluation {
   std::string functions;  ///< the snippets, and `float call_function(uint function, vec3 q)` if the walker is in use
   std::string glsl;
+  std::string function_switch;  ///< `call_function` where the walker does not need it
   std::string occupancy;  ///< `void occupancy(vec3 p)`, and what gradients call: in place of it for kernels of rays
   bool has_function_switch = false;  ///< there is `call_function`
   std::uint32_t united_functions = 0;

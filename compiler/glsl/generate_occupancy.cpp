@@ -36,13 +36,66 @@ void Generator::emit_occupied(Id<Object> id) {
     line("if (entered) walk({}u, p, 0u);", fmt::format("{}", id.index));
     line("return hit_number != 0u;");
   } else if (is_told) {
-    line("return entered && {};", entrance(at(module_.objects, id).root));
+    line("bool answers = false;");
+    open("if (entered)");
+    line("Limits outer = take_limits();");
+    emit_told(at(module_.objects, id).root, "answers");
+    line("keep(outer);");
+    close();
+    line("return answers;");
   } else {
     emit_occupied_regions(id);
   }
   close();
   line("");
   add(occupied_name(id));
+}
+
+void Generator::emit_told(Id<Node> id, const std::string& result) {
+  if (const Outcome outcome = outcome_of(id); outcome != Outcome::either) {
+    line("{} = {};", result, outcome == Outcome::answers ? "true" : "false");
+    return;
+  }
+  const auto& decision = std::get<Decision>(at(module_.nodes, id).content);
+  const Outcome negative = outcome_of(decision.negative), positive = outcome_of(decision.positive);
+  const SeedChain* const before = asked_chain_;
+  open("");
+  emit_asked(decision.sdf);
+  const SeedChain* const asked = asked_chain_;
+  const auto emit_side = [&](Id<Node> side) {
+    asked_chain_ = asked;
+    emit_told(side, result);
+  };
+  if (negative != Outcome::either && positive != Outcome::either) {
+    line("{} = {}negative;", result, negative == Outcome::answers ? "" : "!");
+    line("keep(asked);");
+  } else if (negative == Outcome::either && positive == Outcome::either) {
+    open("if (negative)");
+    emit_side(decision.negative);
+    otherwise();
+    emit_side(decision.positive);
+    close();
+    line("keep(asked);");
+  } else {  // the side that is not known is asked in any case: if it comes to the same, either of both suffices
+    const bool on_negative = negative != Outcome::either;
+    emit_side(on_negative ? decision.positive : decision.negative);
+    const char* const known = (on_negative ? negative : positive) == Outcome::answers ? "true" : "false";
+    line("choose(asked, {}negative, {} == {});", on_negative ? "" : "!", result, known);
+    line("if ({}negative) {} = {};", on_negative ? "" : "!", result, known);
+  }
+  asked_chain_ = before;
+  close();
+}
+
+void Generator::emit_asked(Id<Sdf> sdf) {
+  const Link* const link = link_of(sdf);
+  const bool is_first = link == nullptr || link->chain != asked_chain_;
+  line("bool negative = {};", decision_test(sdf));
+  // Those that share a search share what it was limited by.
+  if (link == nullptr) return line("Limits asked = take_limits();");
+  const std::string searched = chain_name(*link->chain) + "_limits";
+  if (is_first) line("Limits {} = take_limits();", searched);
+  line("Limits asked = {};", searched);
 }
 
 void Generator::emit_occupied_below(const Region& region) {

@@ -120,6 +120,8 @@ class Generator : GlslWriter {
   };
   std::string limit_box(const LocalBox& box, const std::string& q, double slope, double error) const;
   void emit_bitmap_test();
+  /// Writes which regions are media, and how far a ray may step in one.
+  void emit_media();
   std::string box_test(const LocalBox& box, const std::string& q) const;
   /// Tells where an SDF stands in its chain (compiler/passes/seed_chains.h).
   struct Link {
@@ -249,6 +251,10 @@ class Generator : GlslWriter {
   /// Do an object's decisions tell, before what it embeds is asked, whether it answers?
   bool is_told_by_decisions(Id<Object> id) const;
   void emit_occupied(Id<Object> id);
+  /// Writes whether a node answers, into the bool `result`; limited by what it depends on.
+  void emit_told(Id<Node> id, const std::string& result);
+  /// Writes a test: `negative`, and what limits it: `asked`.
+  void emit_asked(Id<Sdf> sdf);
   /// Writes what a region calls that is empty but for what it embeds.
   void emit_occupied_below(const Region& region);
   void emit_occupied_regions(Id<Object> id);

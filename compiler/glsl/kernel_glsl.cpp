@@ -31,8 +31,8 @@ std::string declaration(const SceneBuffer& buffer, RecordAccess access) {
 
 bool is_of_rays(Source source) { return source == Source::rays || source == Source::hits; }
 
-std::string_view main_of(Source source) {
-  switch (source) {
+std::string_view main_of(const KernelSpec& kernel) {
+  switch (kernel.source) {
     case Source::points:
       return shader_text::points;
     case Source::surface:
@@ -40,7 +40,7 @@ std::string_view main_of(Source source) {
     case Source::rays:
       return shader_text::rays;
     case Source::hits:
-      return shader_text::normals;
+      return kernel.query.medium ? shader_text::media : shader_text::normals;
   }
   return {};
 }
@@ -71,6 +71,8 @@ std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, con
   if (uses.reach) text += "#define DMVV_REACH\n";
   if (kernel.query.radius) text += "#define DMVV_QUERY_RADIUS\n";
   if (kernel.query.gradient) text += "#define DMVV_QUERY_GRADIENT\n";
+  if (kernel.query.medium) text += "#define DMVV_QUERY_MEDIUM\n";
+  if (uses.media) text += "#define DMVV_MEDIA\n";
   if (is_of_rays(kernel.source)) text += "#define DMVV_DRAWS_SURFACE\n";
   if (stage) text += fmt::format("#define DMVV_STAGE {}\n", *stage);
   if (stage && evaluation.stages[*stage].has_next) text += "#define DMVV_STAGES_FOLLOW\n";
@@ -94,18 +96,21 @@ std::string generate_glsl(const Evaluation& evaluation, std::uint32_t depth, con
   if (is_of_rays(kernel.source)) text += shader_text::ray;
   if (stage) text += shader_text::queues;
   text += shader_text::evaluate;
-  if (uses.reach) text += shader_text::reach;
+  if (uses.reach || (uses.walker && evaluation.codegen != Codegen::thesis)) text += shader_text::reach;
   if (own_filter) text += shader_text::filter;
   text += evaluation.functions;
   if (uses.walker) text += evaluation.codegen == Codegen::thesis ? shader_text::walk_thesis : shader_text::walk;
   text += "\n// ---- the scene ----\n";
-  if (is_of_rays(kernel.source))
+  // Behind media, what rays meet is no boundary of what is occupied.
+  const bool asks_whether = kernel.source == Source::rays || (kernel.query.gradient && !uses.media);
+  if (asks_whether)
     text += evaluation.occupancy;
   else
     text += stage ? evaluation.stages[*stage].glsl + fmt::format("void evaluate(vec3 p) {{ stage_{}(p); }}\n", *stage)
                   : evaluation.glsl;
+  if (kernel.query.gradient && !asks_whether) text += evaluation.function_switch;
   if (kernel.query.gradient) text += shader_text::gradient;
-  text += main_of(kernel.source);
+  text += main_of(kernel);
   return text;
 }
 

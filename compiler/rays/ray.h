@@ -23,10 +23,6 @@ struct Cut {
   double d = 0.0;
 };
 
-/// A region is opaque if its opacity reaches this: a ray ends on it. Below, it is a medium: it absorbs and emits along
-/// the ray's length in the region's object, in units of that object.
-inline constexpr double least_opaque = 1.0 - 0x1p-24;
-
 /// A piece of a ray on which one region answers by one path.
 struct RaySegment {
   double t0 = 0.0, t1 = 0.0;

@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
+#include "compiler/ir/opacity.h"
 #include "compiler/layout/flatten.h"
 #include "compiler/proofs/judge.h"
 
@@ -74,13 +75,7 @@ struct Scene {
 
   Scene(const Module& m, Reference::Options options)
       : module(m), points(m, options), judge(m, lookups_of(m), {options.format, options.filter}) {
-    for (const Region& region : module.regions) opaque.push_back(is_opaque(region));
-  }
-
-  bool is_opaque(const Region& region) const {
-    if (region.opacity < least_opaque) return false;
-    if (region.kind != voml::RegionKind::bitmap) return true;
-    return std::ranges::all_of(at(module.bitmaps, region.bitmap).texels, [](const auto& t) { return t.a == 255; });
+    for (const Region& region : module.regions) opaque.push_back(is_opaque(module, region));
   }
   bool ends_on(const Path& path) const { return !path.empty() && opaque[path.back().region]; }
 };

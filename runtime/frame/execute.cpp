@@ -52,6 +52,7 @@ class Recorder {
       case Step::cones:
         return dispatch(planned, (ray_tiles() + DMVV_PIXELS_GROUP_SIZE - 1) / DMVV_PIXELS_GROUP_SIZE);
       case Step::trace:
+      case Step::media:
       case Step::normals:
         return dispatch_live(planned);
       case Step::clear:
@@ -60,6 +61,9 @@ class Recorder {
         return report();
       case Step::bring_home:
         return bring_home();
+      case Step::compose:
+        return dispatch(
+            planned, (work_.params.width * work_.params.height + DMVV_PIXELS_GROUP_SIZE - 1) / DMVV_PIXELS_GROUP_SIZE);
       case Step::list:
       case Step::classify:
         return dispatch(planned, (blocks() * DMVV_PIXELS_BLOCK + DMVV_PIXELS_GROUP_SIZE - 1) / DMVV_PIXELS_GROUP_SIZE);
@@ -139,6 +143,7 @@ class Recorder {
     gpu::RayTilesHeader none{};
     none.live = {0, 1, 1};
     commands_.updateBuffer<gpu::RayTilesHeader>(*work_.tile.tiles.buffer, 0, none);
+    commands_.fillBuffer(*work_.tile.media.buffer, 0, VK_WHOLE_SIZE, 0);
     for (const GpuImage* image : {&work_.tile.surface, &work_.tile.notes})
       commands_.clearColorImage(*image->image, Layout::eGeneral, vk::ClearColorValue{}, color_range);
   }

@@ -109,6 +109,8 @@ TileImages FrameImages::make_tile(const vk::raii::DescriptorSetLayout& layout, c
       sizeof(gpu::RayTilesHeader) + 8 * ray_tiles,
       BufferUse::eStorageBuffer | BufferUse::eIndirectBuffer | BufferUse::eTransferSrc | BufferUse::eTransferDst,
       MemoryUse::device);
+  made.media = gpu_.make_buffer(needs.media ? 16 * area_of(extent_) : 16,
+                                BufferUse::eStorageBuffer | BufferUse::eTransferDst, MemoryUse::device);
   made.report = gpu_.make_buffer(sizeof(TileReport), BufferUse::eTransferDst, MemoryUse::readback);
   made.set = DescriptorSet(gpu_, layout, pixel_bindings);
   made.set.write(DMVV_BIND_SURFACE, made.surface);
@@ -126,6 +128,7 @@ TileImages FrameImages::make_tile(const vk::raii::DescriptorSetLayout& layout, c
   made.set.write(DMVV_BIND_RAYS, made.rays);
   made.set.write(DMVV_BIND_RAY_TILES, made.tiles);
   made.set.write(DMVV_BIND_RAY_NOTES, made.notes);
+  made.set.write(DMVV_BIND_MEDIA, made.media);
   return made;
 }
 

@@ -42,7 +42,7 @@ bool operator==(const ShadingKey& a, const ShadingKey& b);
 bool only_time_differs(const ShadingKey& a, const ShadingKey& b);
 
 /// Descriptor set 1 of the kernels over pixels: DMVV_BIND_SURFACE and those that follow it.
-inline constexpr std::array<SetBinding, 15> pixel_bindings{{
+inline constexpr std::array<SetBinding, 16> pixel_bindings{{
     {DMVV_BIND_SURFACE, vk::DescriptorType::eStorageImage},
     {DMVV_BIND_COLOR, vk::DescriptorType::eStorageImage},
     {DMVV_BIND_BYTES, vk::DescriptorType::eStorageImage},
@@ -58,6 +58,7 @@ inline constexpr std::array<SetBinding, 15> pixel_bindings{{
     {DMVV_BIND_RAYS, vk::DescriptorType::eUniformBuffer},
     {DMVV_BIND_RAY_TILES, vk::DescriptorType::eStorageBuffer},
     {DMVV_BIND_RAY_NOTES, vk::DescriptorType::eStorageImage},
+    {DMVV_BIND_MEDIA, vk::DescriptorType::eStorageBuffer},
 }};
 
 /// Where the parts of a tile stand in the buffer that is read back: each at a multiple of its texels, the largest
@@ -81,6 +82,7 @@ struct TileImages {
   GpuImage notes;      ///< of pictures by rays
   GpuBuffer block;     ///< gpu::FrameParams
   GpuBuffer rays;      ///< gpu::RayParams
+  GpuBuffer media;     ///< what rays see of media: 16 bytes a pixel, if there are some
   GpuBuffer tiles;     ///< gpu::RayTilesHeader, then two words a tile of rays
   GpuBuffer report;    ///< TileReport, for the host
   GpuBuffer readback;  ///< ReadbackLayout; made when something is first brought home
@@ -104,6 +106,7 @@ struct FrameNeeds {
   bool leaders = false;
   bool verdicts = false;
   bool rays = false;
+  bool media = false;
   std::uint32_t stages = 0;
 };
 

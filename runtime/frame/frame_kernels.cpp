@@ -1,6 +1,7 @@
 #include "runtime/frame/frame_kernels.h"
 
 #include "spirv/classify_comp.h"
+#include "spirv/compose_comp.h"
 #include "spirv/count_groups_comp.h"
 #include "spirv/count_hits_comp.h"
 #include "spirv/count_stages_comp.h"
@@ -49,6 +50,7 @@ FrameKernels::FrameKernels(const Device::Impl& gpu, const SceneOnDevice& scene, 
   code_of_leaders_ = code(compiler::leaders_kernel);
   code_of_rays_ = code(compiler::rays_kernel);
   code_of_normals_ = code(compiler::normals_kernel);
+  code_of_media_ = code(compiler::media_kernel);
   const auto* const pixels = program.find_kernel(compiler::pixels_kernel.name);
   if (pixels == nullptr) return;
   for (const compiler::Shader& shader : pixels->shaders) {
@@ -88,6 +90,10 @@ std::span<const std::uint32_t> FrameKernels::code_of(Step step, std::uint32_t st
       return code_of_rays_;
     case Step::normals:
       return code_of_normals_;
+    case Step::media:
+      return code_of_media_;
+    case Step::compose:
+      return compose_comp;
     case Step::raster:
     case Step::slice:
     case Step::set_out:

@@ -30,6 +30,7 @@ class FrameKernels {
   const vk::raii::DescriptorSetLayout& verdict_layout() const { return verdict_layout_; }
 
   bool has_rays() const { return !code_of_rays_.empty(); }
+  bool has_media() const { return !code_of_media_.empty(); }
   bool has_leaders() const { return !code_of_leaders_.empty(); }
   const std::vector<bool>& stages_go_on() const { return stages_go_on_; }
 
@@ -60,7 +61,7 @@ class FrameKernels {
 
   const Device::Impl& gpu_;
   bool has_bitmaps_;
-  std::vector<std::uint32_t> code_of_leaders_, code_of_rays_, code_of_normals_;
+  std::vector<std::uint32_t> code_of_leaders_, code_of_rays_, code_of_normals_, code_of_media_;
   std::vector<std::vector<std::uint32_t>> code_of_pixels_;  ///< of each stage
   std::vector<bool> stages_go_on_;
   vk::raii::DescriptorSetLayout io_layout_, verdict_layout_;

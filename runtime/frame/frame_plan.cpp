@@ -8,9 +8,9 @@
 namespace dmvv::runtime {
 namespace {
 
-constexpr std::array<const char*, resource_count> resource_names{"surface", "tiles",   "notes",  "pixels",   "lists",
-                                                                 "known",   "leaders", "queues", "verdicts", "hits",
-                                                                 "faults",  "report",  "home"};
+constexpr std::array<const char*, resource_count> resource_names{"surface", "tiles",  "notes",   "media",  "pixels",
+                                                                 "lists",   "known",  "leaders", "queues", "verdicts",
+                                                                 "hits",    "faults", "report",  "home"};
 constexpr std::array<const char*, DMVV_LISTS_OF_PIXELS> list_names{"open", "left", "leaders", "proven"};
 
 /// Adds the steps that evaluate the pixels of a list.
@@ -34,6 +34,7 @@ void draw_surface(const FrameRequest& request, std::vector<PlannedStep>& steps) 
     return;
   }
   for (const Step step : {Step::set_out, Step::cones, Step::trace}) steps.push_back({step});
+  if (request.has_media) steps.push_back({Step::media});
   if (request.wants_normals) steps.push_back({Step::normals});
 }
 
@@ -65,6 +66,7 @@ std::vector<PlannedStep> plan_tile(const FrameRequest& request, const KeptTile& 
     if (classifies) steps.push_back({Step::count_hits, open});
     if (classifies && leads) steps.push_back({Step::count_hits, DMVV_LEADERS_OF_TILES});
   }
+  if (request.surface == SurfaceKind::rays && request.has_media) steps.push_back({Step::compose});
   steps.push_back({Step::report});
   if (request.brings_home) steps.push_back({Step::bring_home});
   return steps;
@@ -116,9 +118,10 @@ const StepUse& use_of(Step step) {
   static const std::array<StepUse, step_count> uses{{
       {"raster", {}, {}, {R::surface}},
       {"slice", {}, {}, {R::surface}},
-      {"set out", {}, {}, {R::tiles, R::surface, R::notes}},
+      {"set out", {}, {}, {R::tiles, R::surface, R::notes, R::media}},
       {"cones", {}, {}, {R::tiles}},
       {"trace", {}, {}, {R::tiles, R::surface, R::notes}},
+      {"media", {}, {}, {R::tiles, R::surface, R::notes, R::media}},
       {"normals", {R::tiles, R::notes}, {}, {R::surface}},
       {"clear", {}, {}, {R::pixels, R::lists, R::leaders, R::queues, R::faults}},
       {"list", {R::surface}, {}, {R::lists}},
@@ -131,6 +134,7 @@ const StepUse& use_of(Step step) {
       {"count stages", {R::lists}, {}, {R::queues}},
       {"stage", {R::surface, R::lists}, {R::pixels, R::faults}, {R::queues}},
       {"distribute", {R::lists}, {}, {R::queues}},
+      {"compose", {R::media}, {}, {R::pixels}},
       {"count hits", {R::lists, R::known, R::verdicts}, {R::hits}, {}},
       {"report", {R::lists, R::faults, R::tiles}, {}, {R::report}},
       {"bring home", {R::surface, R::notes, R::pixels}, {}, {R::home}},

@@ -18,6 +18,7 @@ enum class Resource : std::uint8_t {
   surface,   ///< position and normal of each pixel
   tiles,     ///< where rays begin, tile by tile, and the tiles that are not proven empty
   notes,     ///< what is known of each pixel's ray
+  media,     ///< what each pixel's ray sees of media
   pixels,    ///< colours and region numbers
   lists,     ///< pixels to be evaluated, to be painted, ...: entries and their counts
   known,     ///< what is proven of each listed pixel
@@ -29,7 +30,7 @@ enum class Resource : std::uint8_t {
   report,    ///< counts, in memory that the host reads
   home,      ///< pixels there
 };
-inline constexpr std::size_t resource_count = 13;
+inline constexpr std::size_t resource_count = 14;
 
 enum class Step : std::uint8_t {
   raster,        ///< the support mesh
@@ -37,6 +38,7 @@ enum class Step : std::uint8_t {
   set_out,       ///< rays, in place of both: what they are told
   cones,         ///< how far all rays of a tile meet nothing; lists the tiles that are left
   trace,         ///< what each ray meets first
+  media,         ///< what rays see of the media that they go through, and what they meet behind
   normals,       ///< which way that faces
   clear,         ///< pixels, lists, leaders and queues before they are written
   list,          ///< which pixels show a surface
@@ -49,11 +51,12 @@ enum class Step : std::uint8_t {
   count_stages,  ///< how many groups each queue takes
   stage,         ///< pixels of a queue, by one stage's kernel
   distribute,    ///< pixels of a stage to the queues of later ones
+  compose,       ///< media before what is behind them
   count_hits,    ///< cells that left pixels to be evaluated
   report,        ///< how many pixels were evaluated, and for which the loop rounds did not suffice
   bring_home,    ///< pixels that the host wants
 };
-inline constexpr std::size_t step_count = 20;
+inline constexpr std::size_t step_count = 22;
 
 /// How steps use a resource. Additions go to different places or are atomic: any number of steps may add without
 /// waiting.
@@ -104,6 +107,7 @@ struct FrameRequest {
   std::vector<KeptTile> kept;  ///< of each tile
   SurfaceKind surface = SurfaceKind::mesh;
   bool wants_normals = true;  ///< of what rays meet
+  bool has_media = false;     ///< rays go through some regions
   FramePasses passes;
   Strategy strategy;
   bool brings_home = true;         ///< else the picture stays on the device

@@ -65,9 +65,10 @@ Result<Renderer::Job> Renderer::set_up(const View& view) {
   Job job;
   job.setup = std::move(*setup);
   job.passes = FramePasses::without(view.disabled_passes);
-  job.outputs = {view.samples == 1 ? view.colors : Colors::floats,  // the mean of samples is taken in float
-                 view.want_regions || view.want_depth, view.want_depth || view.want_positions,
-                 view.want_doubt && view.rays && !view.slice};
+  // The mean of samples is taken in float, and so are media and what is behind them.
+  const bool is_blended = view.samples > 1 || (view.rays && !view.slice && kernels_.has_media());
+  job.outputs = {is_blended ? Colors::floats : view.colors, view.want_regions || view.want_depth,
+                 view.want_depth || view.want_positions, view.want_doubt && view.rays && !view.slice};
   job.kind = {job.passes.pixel_list, job.outputs.colors == Colors::bytes, job.outputs.regions};
   const glm::uvec2 tile_px = largest_tile(job.setup.size_px, view.samples);
   job.extent = vk::Extent2D{tile_px.x, tile_px.y};
@@ -100,6 +101,7 @@ FrameRequest Renderer::request(const Job& job, const std::vector<Tile>& tiles) {
                        .kept = {},
                        .surface = surface_of(job.setup),
                        .wants_normals = job.setup.pixels.light.w != 0.0f,
+                       .has_media = kernels_.has_media(),
                        .passes = job.passes,
                        .strategy = {},
                        .stages_go_on = kernels_.stages_go_on()};
@@ -135,6 +137,7 @@ void Renderer::make_images(const Job& job) {
   const FrameNeeds needs{.leaders = kernels_.has_leaders(),
                          .verdicts = judge_ != nullptr,
                          .rays = kernels_.has_rays(),
+                         .media = kernels_.has_media(),
                          .stages = static_cast<std::uint32_t>(kernels_.stages_go_on().size())};
   images_.emplace(gpu_, kernels_.io_layout(), job.extent, job.tiles.size(), job.outputs, needs,
                   rasteriser_->take_surface(job.extent));

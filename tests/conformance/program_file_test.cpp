@@ -115,7 +115,7 @@ TEST_CASE("a file that is short, long or changed anywhere is refused") {
   CHECK(refusal(bytes + "x") == "cannot load 'p.dmvv': bytes are missing or were changed");
   std::string newer = bytes;
   newer[13] = 9;
-  CHECK(refusal(newer) == "cannot load 'p.dmvv': its format is 9; this version reads 1");
+  CHECK(refusal(newer) == "cannot load 'p.dmvv': its format is 9; this version reads 2");
 }
 
 TEST_CASE("a program whose parts do not fit each other is refused") {

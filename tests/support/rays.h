@@ -22,11 +22,13 @@ constexpr double hit_error = 1e-5;
 
 struct RayAgreement {
   std::size_t rays = 0, uncertain = 0, doubtful = 0, wrong = 0;
-  double largest_error = 0.0;  ///< of a hit, beyond the reference's own
-  std::string first;           ///< the first that is wrong
+  double largest_error = 0.0;        ///< of a hit, beyond the reference's own
+  double largest_color_error = 0.0;  ///< of a premultiplied channel, of rays that are certain
+  std::string first;                 ///< the first that is wrong
   void add(const RayAgreement& other) {
     rays += other.rays, uncertain += other.uncertain, doubtful += other.doubtful, wrong += other.wrong;
     largest_error = std::max(largest_error, other.largest_error);
+    largest_color_error = std::max(largest_color_error, other.largest_color_error);
     if (first.empty()) first = other.first;
   }
 };
@@ -70,6 +72,14 @@ inline RayAgreement compare_rays(const compiler::RayReference& reference, const 
             "got {} at {}",
             x, y, frame.eye.x, frame.eye.y, frame.eye.z, direction.x, direction.y, direction.z, number, answer.depth,
             picture.regions[pixel], picture.depth[pixel]);
+      }
+    }
+    if (one.uncertain == 0 && one.doubtful == 0 && !picture.rgba.empty()) {
+      const float* const got = &picture.rgba[4 * pixel];
+      for (int channel = 0; channel < 4; ++channel) {
+        const double share = channel == 3 ? 1.0 : answer.rgba.a, got_share = channel == 3 ? 1.0 : got[3];
+        const double error = std::abs(share * answer.rgba[channel] - got_share * got[channel]);
+        one.largest_color_error = std::max(one.largest_color_error, error);
       }
     }
     const std::lock_guard lock(mutex);

@@ -17,6 +17,7 @@ FrameRequest request_of(Strategy strategy, std::vector<bool> stages_go_on = {}) 
           .kept = {{}},
           .surface = SurfaceKind::mesh,
           .wants_normals = true,
+          .has_media = false,
           .passes = {},
           .strategy = strategy,
           .brings_home = true,
