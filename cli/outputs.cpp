@@ -33,7 +33,7 @@ Outputs::~Outputs() {
   for (const Written& file : written_) fs::remove(file.temporary, ignored);
 }
 
-void Outputs::announce(const std::string& path, std::initializer_list<std::string_view> endings) {
+void Outputs::announce(const std::string& path, const std::vector<std::string_view>& endings) {
   const auto refuse = [](std::string message, std::vector<std::string> reasons = {}) {
     fail_with({Fault::input, std::move(message), std::move(reasons)});
   };

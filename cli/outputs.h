@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,7 +22,7 @@ class Outputs {
   /// Announces a file, and refuses what would fail after the work: another ending than `endings` (any if there are
   /// none), a folder that does not exist or cannot be written, a directory of that name, a file announced before.
   /// Ends the command with exit code 1.
-  void announce(const std::string& path, std::initializer_list<std::string_view> endings = {});
+  void announce(const std::string& path, const std::vector<std::string_view>& endings = {});
 
   /// Calls `write` with the temporary name, which has the ending of `path`; a failure ends the command.
   void write(const std::string& path, const std::function<Result<void>(const std::string& temporary)>& write);

@@ -3,8 +3,13 @@
 
 #include <CLI/App.hpp>
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 
 #include "base/files.h"
@@ -25,35 +30,60 @@ struct RenderOptions {
   std::vector<std::string> aovs;
 };
 
-/// The pictures beside the picture; empty where not asked for.
-struct AovPaths {
-  std::string region;
-  std::string depth;
-  std::string doubt;
+/// A picture beside the picture.
+struct AovKind {
+  std::string_view name;
+  std::vector<std::string_view> endings;
+  bool runtime::View::*wanted;
+  Result<void> (*write)(const std::string& path, const runtime::Picture& picture);
 };
+const std::array<AovKind, 4>& aov_kinds() {
+  static const std::array<AovKind, 4> kinds{{
+      {"region", {".exr", ".png", ".tif", ".tiff"}, &runtime::View::want_regions, runtime::write_regions},
+      {"depth", {".exr"}, &runtime::View::want_depth, runtime::write_depth},
+      {"normal", {".exr", ".png", ".tif", ".tiff"}, &runtime::View::want_normals, runtime::write_normals},
+      {"doubt", {".exr", ".png", ".tif", ".tiff"}, &runtime::View::want_doubt, runtime::write_doubt},
+  }};
+  return kinds;
+}
+/// Of each kind; empty where not asked for.
+using AovPaths = std::array<std::string, 4>;
 
-/// Reads "region=FILE", "depth=FILE", "doubt=FILE", and several with commas between. A comma within a name stays.
+/// Where the next word begins: a comma within a name stays.
+std::size_t next_aov(const std::string& words) {
+  std::size_t comma = std::string::npos;
+  for (const AovKind& kind : aov_kinds()) comma = std::min(comma, words.find(fmt::format(",{}=", kind.name)));
+  return comma;
+}
+
+/// Reads "region=FILE", "depth=FILE", ..., and several with commas between.
 AovPaths parse_aovs(const std::vector<std::string>& words) {
   AovPaths paths;
   for (std::string rest : words) {
     while (!rest.empty()) {
-      const std::size_t comma = std::min({rest.find(",region="), rest.find(",depth="), rest.find(",doubt=")});
+      const std::size_t comma = next_aov(rest);
       const std::string word = rest.substr(0, comma);
       rest = comma == std::string::npos ? "" : rest.substr(comma + 1);
       const std::size_t equals = word.find('=');
-      const std::string name = word.substr(0, equals);
-      std::string* const path = name == "region"  ? &paths.region
-                                : name == "depth" ? &paths.depth
-                                : name == "doubt" ? &paths.doubt
-                                                  : nullptr;
-      if (!path || equals == std::string::npos || equals + 1 == word.size()) {
-        fail_usage(fmt::format("--aov: cannot read '{}'", word), {"write region=FILE, depth=FILE or doubt=FILE"});
+      const auto kind = std::ranges::find(aov_kinds(), std::string_view(word).substr(0, equals), &AovKind::name);
+      if (kind == aov_kinds().end() || equals == std::string::npos || equals + 1 == word.size()) {
+        fail_usage(fmt::format("--aov: cannot read '{}'", word),
+                   {"write region=FILE, depth=FILE, normal=FILE or doubt=FILE"});
       }
-      if (!path->empty()) fail_usage(fmt::format("--aov: {} is asked for twice", name));
-      *path = word.substr(equals + 1);
+      std::string& path = paths[static_cast<std::size_t>(kind - aov_kinds().begin())];
+      if (!path.empty()) fail_usage(fmt::format("--aov: {} is asked for twice", kind->name));
+      path = word.substr(equals + 1);
     }
   }
   return paths;
+}
+
+/// What is asked for, as far as such a view has it.
+void want_aovs(const AovPaths& aovs, runtime::View& view) {
+  for (std::size_t i = 0; i < aovs.size(); ++i) view.*aov_kinds()[i].wanted = !aovs[i].empty();
+  if (view.want_normals && view.slice) fail_usage("--aov normal: a section has no normals", {"leave --slice out"});
+  if (view.want_doubt && !view.rays)
+    fail_usage("--aov doubt: only rays can miss something", {"leave --mesh and --slice out"});
 }
 
 std::string legend_json(std::vector<compiler::RegionInfo> regions) {
@@ -76,27 +106,20 @@ std::string legend_json(std::vector<compiler::RegionInfo> regions) {
 
 void announce(Outputs& outputs, const RenderOptions& options, const AovPaths& aovs) {
   outputs.announce(options.picture, {".png", ".tif", ".tiff", ".exr"});
-  if (!aovs.region.empty()) {
-    outputs.announce(aovs.region, {".exr", ".png", ".tif", ".tiff"});
-    outputs.announce(with_ending(aovs.region, ".json"));
+  for (std::size_t i = 0; i < aovs.size(); ++i) {
+    if (!aovs[i].empty()) outputs.announce(aovs[i], aov_kinds()[i].endings);
   }
-  if (!aovs.depth.empty()) outputs.announce(aovs.depth, {".exr"});
-  if (!aovs.doubt.empty()) outputs.announce(aovs.doubt, {".exr", ".png", ".tif", ".tiff"});
+  if (!aovs.front().empty()) outputs.announce(with_ending(aovs.front(), ".json"));
 }
 
 void write(Outputs& outputs, const RenderOptions& options, const AovPaths& aovs, const runtime::Picture& picture,
            const std::vector<compiler::RegionInfo>& regions) {
   outputs.write(options.picture, [&](const std::string& path) { return runtime::write_picture(path, picture); });
-  if (!aovs.region.empty()) {
-    outputs.write(aovs.region, [&](const std::string& path) { return runtime::write_regions(path, picture); });
-    outputs.write_bytes(with_ending(aovs.region, ".json"), legend_json(regions));
+  for (std::size_t i = 0; i < aovs.size(); ++i) {
+    if (aovs[i].empty()) continue;
+    outputs.write(aovs[i], [&](const std::string& path) { return aov_kinds()[i].write(path, picture); });
   }
-  if (!aovs.depth.empty()) {
-    outputs.write(aovs.depth, [&](const std::string& path) { return runtime::write_depth(path, picture); });
-  }
-  if (!aovs.doubt.empty()) {
-    outputs.write(aovs.doubt, [&](const std::string& path) { return runtime::write_doubt(path, picture); });
-  }
+  if (!aovs.front().empty()) outputs.write_bytes(with_ending(aovs.front(), ".json"), legend_json(regions));
   outputs.commit();
 }
 
@@ -125,19 +148,35 @@ void warn_of_nothing(const runtime::Picture& picture, const runtime::View& view,
       "own surface (dmvv mesh)");
 }
 
+/// Goes near to what the picture shows: content ends within boxes that it does not fill. A small picture tells where it
+/// is. Media are seen where no ray ends; then their boxes are framed.
+Result<void> frame_what_is_seen(runtime::View& view, const compiler::Program& program, runtime::Evaluator& evaluator) {
+  if (program.find_kernel(compiler::media_kernel.name) != nullptr) return {};
+  runtime::View small = view;
+  small.size_px = glm::max(view.size_px / 8u, glm::uvec2(1));
+  small.samples = 1;
+  small.shading = runtime::Shading::none;
+  small.want_positions = true;
+  small.want_regions = small.want_depth = small.want_doubt = false;
+  const auto picture = evaluator.render(small);
+  if (!picture) return tl::unexpected(picture.error());
+  const double depth = glm::length(view.camera.look - view.camera.eye);
+  const double pixel = 2.0 * depth * std::tan(view.camera.fov_deg * std::numbers::pi / 360.0) / small.size_px.y;
+  view.camera = runtime::framing(view.camera, view.size_px, picture->positions, pixel);
+  return {};
+}
+
 int render(const RenderOptions& options, Context& context) {
   // Everything that can be refused without the scene comes first.
   runtime::View view = parse_view(options.view);
   view.time_ms = options.time_ms;
   const AovPaths aovs = parse_aovs(options.aovs);
-  view.want_regions = !aovs.region.empty();
-  view.want_depth = !aovs.depth.empty();
-  view.want_doubt = !aovs.doubt.empty();
   if (options.picture.ends_with(".png")) view.colors = runtime::Colors::bytes;
   compiler::CompileOptions form = compile_options(options.codegen);
   view.disabled_passes = form.disabled_passes;
   view.rays = view.rays && form.codegen != compiler::Codegen::thesis;  // which draws the cube's faces
   form.rays = view.rays;
+  want_aovs(aovs, view);
   Outputs outputs;
   announce(outputs, options, aovs);
 
@@ -149,6 +188,7 @@ int render(const RenderOptions& options, Context& context) {
   runtime::Timings timings;
   auto [program, evaluator] = load(session, std::move(scene), form, kernels_for(view), context, diagnostics, &timings);
   frame_content(view, options.view, program.content);
+  if (view.rays && options.view.camera.empty()) must(frame_what_is_seen(view, program, evaluator));
   const runtime::Picture picture = must(evaluator.render(view, &timings));
   context.stopwatch.lap(timings, "other");
 
@@ -173,9 +213,10 @@ void add_render(CLI::App& app, Invocation& invocation) {
   command.add_option("-o,--output", options->picture, "Picture: .png, .tif or .exr")->required()->type_name("PICTURE");
   add_view_options(command, options->view);
   command
-      .add_option("--aov", options->aovs,
-                  "More pictures: region=FILE (numbers, with a .json legend beside it), depth=FILE (.exr), "
-                  "doubt=FILE (where a ray may miss something thin)")
+      .add_option(
+          "--aov", options->aovs,
+          "More pictures: region=FILE (numbers, with a .json legend beside it), depth=FILE (.exr), normal=FILE, "
+          "doubt=FILE (where a ray may miss something thin)")
       ->type_name("KIND=FILE")
       ->allow_extra_args(false);
   add_time_option(command, options->time_ms);

@@ -45,7 +45,7 @@ void main() {
   // Up to `empty` nothing was met; at `full`, which is no longer `nowhere` then, something was.
   float s = span.first, empty = s, full = nowhere, empty_holds = 0.0, empty_margin = 0.0, full_margin = 0.0,
         least = DMVV_LEAST_STEP;
-  bool goes_on = span.first <= span.last, is_stopped = false, is_bold = false;
+  bool goes_on = span.first <= span.last, is_stopped = false, is_bold = false, is_near = false;
   float doubted = -nowhere;
   int steps = 0, refinements = 0;
   if (goes_on) {
@@ -71,8 +71,11 @@ void main() {
         bool was_met = full != nowhere, is_first = s == span.first;
         // What is not proven of the last step. One that went further than it had to is taken back then.
         float unproven = is_first ? 0.0 : s - empty - empty_holds - (is_full ? 0.0 : holds);
-        bool is_taken_back = is_bold && unproven > (is_full ? shortest : 0.0);
+        float beside = beside_boundary * pixel_width / speed;
+        bool is_there = is_full || (is_near && margin <= 2.0 * sure);
+        bool is_taken_back = is_bold && unproven > (is_there ? beside : 0.0);
         float slowdown = is_first || was_met ? 1.0 : clamp((empty_holds - holds) / (s - empty), 0.0, 1.0);
+        float approach = is_first || was_met || is_full ? 0.0 : (empty_margin - margin) / (s - empty);
         if (!is_taken_back) {
           doubted = !is_full && !was_met && unproven > 0.0 ? s : doubted;
           full = is_full ? s : full;
@@ -91,7 +94,11 @@ void main() {
         // At least a little further than proven: so a wall that bounds what is asked, but no answer, is no hindrance.
         float bold_step = empty_holds * (empty_holds > shortest ? bold * 2.0 / (1.0 + slowdown) : 1.0);
         is_bold = !is_taken_back && empty_holds > 0.25 * shortest;
-        float step = is_taken_back ? empty_holds : max(empty_holds + shortest, bold_step);
+        // A boundary that margins tell to be near is gone to at once.
+        float to_boundary = approach > 0.0 ? empty_margin / approach + 0.4 * sure / speed : nowhere;
+        is_near = !is_taken_back && to_boundary < beside;
+        is_bold = is_bold || is_near;
+        float step = is_taken_back ? empty_holds : is_near ? to_boundary : max(empty_holds + shortest, bold_step);
         float between = clamp(boundary, mix(empty, full, 0.01), mix(empty, full, 0.99));
         float next = is_met ? between : min(empty + step, span.last);
         goes_on = goes_on && (is_met ? !is_refined && next > empty && next < full

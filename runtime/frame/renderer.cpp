@@ -68,7 +68,9 @@ Result<Renderer::Job> Renderer::set_up(const View& view) {
   // The mean of samples is taken in float, and so are media and what is behind them.
   const bool is_blended = view.samples > 1 || (view.rays && !view.slice && kernels_.has_media());
   job.outputs = {is_blended ? Colors::floats : view.colors, view.want_regions || view.want_depth,
-                 view.want_depth || view.want_positions, view.want_doubt && view.rays && !view.slice};
+                 view.want_depth || view.want_positions || (view.want_normals && !view.slice),
+                 view.want_doubt && view.rays && !view.slice};
+  job.wants_normals = view.shading == Shading::lit || view.want_normals;
   job.kind = {job.passes.pixel_list, job.outputs.colors == Colors::bytes, job.outputs.regions};
   const glm::uvec2 tile_px = largest_tile(job.setup.size_px, view.samples);
   job.extent = vk::Extent2D{tile_px.x, tile_px.y};
@@ -100,7 +102,7 @@ FrameRequest Renderer::request(const Job& job, const std::vector<Tile>& tiles) {
                        .tiles = tiles,
                        .kept = {},
                        .surface = surface_of(job.setup),
-                       .wants_normals = job.setup.pixels.light.w != 0.0f,
+                       .wants_normals = job.wants_normals,
                        .has_media = kernels_.has_media(),
                        .passes = job.passes,
                        .strategy = {},

@@ -46,7 +46,8 @@ class Renderer {
     FramePasses passes;
     Outputs outputs;
     KernelKind kind;
-    vk::Extent2D extent;  ///< of the largest tile
+    bool wants_normals = true;  ///< of what rays meet
+    vk::Extent2D extent;        ///< of the largest tile
     std::vector<Tile> tiles;
   };
   /// What a frame did.

@@ -1,5 +1,6 @@
 #include "runtime/frame/resolve.h"
 
+#include <cmath>
 #include <cstring>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -39,6 +40,17 @@ glm::vec3 position_of(const FrameSetup& setup, const glm::uvec4& texel) {
                     glm::vec3(setup.pixels.bounds_hi));
 }
 
+/// As shaders/surface.glsl folds it.
+glm::vec3 normal_of(const glm::uvec4& texel) {
+  if (!is_surface(texel)) return glm::vec3(0.0f);
+  const glm::vec2 folded(glm::vec2(texel.w & 0xffffu, texel.w >> 16 & 0x7fffu) / glm::vec2(32767.0f, 16383.0f) - 1.0f);
+  const float z = 1.0f - std::abs(folded.x) - std::abs(folded.y);
+  const auto unfolded = [&](float along, float across) {
+    return z < 0.0f ? std::copysign(1.0f - std::abs(across), along) : along;
+  };
+  return glm::normalize(glm::vec3(unfolded(folded.x, folded.y), unfolded(folded.y, folded.x), z));
+}
+
 void put_color(const glm::vec4& color, std::size_t pixel, Picture& picture) {
   for (int channel = 0; channel < 4; ++channel) {
     if (picture.rgba.empty()) {
@@ -59,6 +71,7 @@ Picture empty_picture(const View& view) {
   if (view.want_regions) picture.regions.resize(pixels);
   if (view.want_doubt && view.rays && !view.slice) picture.doubt.resize(pixels);
   if (view.want_depth) picture.depth.resize(pixels, std::numeric_limits<float>::infinity());
+  if (view.want_normals && !view.slice) picture.normals.resize(pixels, glm::vec3(0.0f));
   if (view.want_positions) picture.positions.resize(pixels, glm::vec3(std::numeric_limits<float>::quiet_NaN()));
   return picture;
 }
@@ -80,6 +93,7 @@ void resolve_tile(const TilePixels& from, const Tile& tile, const FrameSetup& se
       if (!picture.doubt.empty()) picture.doubt[pixel] = (from.notes[source] & DMVV_NOTE_DOUBT) != 0 ? 1 : 0;
       if (!picture.regions.empty()) picture.regions[pixel] = from.regions[source];
       if (!picture.depth.empty()) picture.depth[pixel] = depth_of(setup, from.regions[source], from.surface[source]);
+      if (!picture.normals.empty()) picture.normals[pixel] = normal_of(from.surface[source]);
       if (!picture.positions.empty()) picture.positions[pixel] = position_of(setup, from.surface[source]);
     }
   }

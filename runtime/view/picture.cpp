@@ -170,6 +170,23 @@ Result<void> write_regions(const std::string& path, const Picture& picture) {
   });
 }
 
+Result<void> write_normals(const std::string& path, const Picture& picture) {
+  return guarded_write(path, [&]() -> Result<void> {
+    if (auto fault = path_fault(path, {".exr", ".png", ".tif", ".tiff"})) return tl::unexpected(std::move(*fault));
+    if (picture.normals.size() != pixel_count(picture) || picture.normals.empty()) return missing(path, "normals");
+    if (lower_ending(path) == ".exr") {
+      return write_whole(path,
+                         to_write(picture, {"X", "Y", "Z"}, SampleType::f32, SampleType::f32, picture.normals.data()));
+    }
+    std::vector<std::uint8_t> bytes;
+    for (const glm::vec3& normal : picture.normals) {
+      const bool is_there = normal != glm::vec3(0.0f);
+      for (int axis = 0; axis < 3; ++axis) bytes.push_back(is_there ? to_byte(0.5f + 0.5f * normal[axis]) : 0);
+    }
+    return write_whole(path, to_write(picture, {"R", "G", "B"}, SampleType::u8, SampleType::u8, bytes.data()));
+  });
+}
+
 Result<void> write_doubt(const std::string& path, const Picture& picture) {
   return guarded_write(path, [&]() -> Result<void> {
     if (auto fault = path_fault(path, {".exr", ".png", ".tif", ".tiff"})) return tl::unexpected(std::move(*fault));

@@ -22,6 +22,8 @@ struct Picture {
       depth;  ///< if asked for: distance along the view direction, root units (0 on a slice); infinity where empty
   std::vector<glm::vec3> positions;  ///< if asked for: the point evaluated at sample (0, 0), root coordinates; NaN
                                      ///< where there is no surface
+  std::vector<glm::vec3> normals;    ///< if asked for: unit, root frame, towards the viewer, at sample (0, 0); 0 where
+                                     ///< there is no surface
   std::vector<std::uint8_t> doubt;  ///< if asked for, of pictures by rays: 1 where something thin may have been missed,
                                     ///< at sample (0, 0)
   std::uint64_t doubtful_rays = 0;
@@ -44,6 +46,8 @@ Result<void> write_picture(const std::string& path, const Picture& picture);
 Result<void> write_regions(const std::string& path, const Picture& picture);
 /// Depth: .exr, one float channel "Z".
 Result<void> write_depth(const std::string& path, const Picture& picture);
+/// Normals: .exr (float channels X, Y, Z), .png / .tif (8 bit, 0.5 + 0.5 n; 0 where there is none).
+Result<void> write_normals(const std::string& path, const Picture& picture);
 /// Where something thin may have been missed: .png / .tif (8 bit grey, 255 there), .exr (one uint channel "doubt", 1
 /// there).
 Result<void> write_doubt(const std::string& path, const Picture& picture);

@@ -7,6 +7,8 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <glm/common.hpp>
+#include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
@@ -153,8 +155,19 @@ Result<glm::uvec2> parse_size(std::string_view text) {
   return size;
 }
 
+namespace {
+
+constexpr double frame_margin = 0.06;
+
+/// Half the picture's width and height at depth 1, less the margin.
+glm::dvec2 framed_slope(const Camera& camera, glm::uvec2 size_px) {
+  const double tangent = std::tan(camera.fov_deg * std::numbers::pi / 360.0) * (1.0 - frame_margin);
+  return {tangent * size_px.x / size_px.y, tangent};
+}
+
+}  // namespace
+
 Camera default_camera(const voml::Bounds& bounds, glm::uvec2 size_px, std::span<const Plane> cuts) {
-  constexpr double margin = 0.06;
   Camera camera;
   const glm::dvec3 towards_eye = default_direction(cuts);
   const glm::dvec3 forward = -towards_eye;
@@ -168,8 +181,7 @@ Camera default_camera(const voml::Bounds& bounds, glm::uvec2 size_px, std::span<
 
   // The centre stands in the middle of the picture; each corner asks for a distance at which it lies in the pyramid of
   // view, |x| <= slope * (depth + distance).
-  const double tangent = std::tan(camera.fov_deg * std::numbers::pi / 360.0) * (1.0 - margin);
-  const glm::dvec2 slope(tangent * size_px.x / size_px.y, tangent);
+  const glm::dvec2 slope = framed_slope(camera, size_px);
   double distance = 0.0;
   for (int corner = 0; corner < 8; ++corner) {
     const glm::dvec3 p = half * glm::dvec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
@@ -180,6 +192,36 @@ Camera default_camera(const voml::Bounds& bounds, glm::uvec2 size_px, std::span<
   camera.look = centre;
   camera.eye = centre - distance * forward;
   return camera;
+}
+
+Camera framing(const Camera& camera, glm::uvec2 size_px, std::span<const glm::vec3> points, double radius) {
+  const glm::dvec3 forward = glm::normalize(camera.look - camera.eye);
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, camera.up));
+  const glm::dvec3 up = glm::cross(right, forward);
+  const glm::dvec2 slope = framed_slope(camera, size_px);
+  // Of an eye at (x, y), at depth z: p lies right of its left border if p.x - x >= -slope.x * (p.z - z), that is if
+  // p.x + slope.x * p.z >= x + slope.x * z; and so on. `lo` and `hi` are the tightest of these.
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  glm::dvec2 lo(infinity), hi(-infinity);
+  for (const glm::vec3& point : points) {
+    if (!std::isfinite(point.x + point.y + point.z)) continue;
+    const glm::dvec3 p(point);
+    const glm::dvec2 across(glm::dot(p, right), glm::dot(p, up));
+    const double depth = glm::dot(p, forward);
+    lo = glm::min(lo, across + slope * depth);
+    hi = glm::max(hi, across - slope * depth);
+  }
+  if (!(lo.x < infinity)) return camera;
+  const glm::dvec2 beside = radius * glm::sqrt(1.0 + slope * slope);  // balls touch the borders
+  lo -= beside;
+  hi += beside;
+  const glm::dvec2 across = 0.5 * (lo + hi);
+  const glm::dvec2 depths = 0.5 * (lo - hi) / slope;  // at which points touch both borders
+  const double depth = std::min(depths.x, depths.y);
+  Camera framed = camera;
+  framed.eye = across.x * right + across.y * up + depth * forward;
+  framed.look = framed.eye + glm::length(camera.look - camera.eye) * forward;
+  return framed;
 }
 
 SliceFrame slice_frame(const Plane& plane, glm::uvec2 size_px) {

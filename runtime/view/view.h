@@ -52,6 +52,7 @@ struct View {
   bool want_regions = false;
   bool want_depth = false;
   bool want_positions = false;
+  bool want_normals = false;  ///< not of slices
   bool want_doubt = false;
   std::vector<std::string> disabled_passes;  ///< names of frame_pass_names(), frame_passes.h
 };
@@ -72,6 +73,10 @@ Result<glm::uvec2> parse_size(std::string_view text);
 /// % at this aspect ratio; with cuts, from that of the directions (0.55, 0.45, 1), (1, 0.45, 0.55), (0.55, 1, 0.45),
 /// with any signs, from which the most sections are seen, and those most squarely.
 Camera default_camera(const voml::Bounds& bounds, glm::uvec2 size_px, std::span<const Plane> cuts);
+
+/// The camera moved, but not turned, so that it frames balls of this radius around the points with the same margin.
+/// Points that are not finite are left out; without any it stays.
+Camera framing(const Camera& camera, glm::uvec2 size_px, std::span<const glm::vec3> points, double radius);
 
 /// Where the middle of pixel (0, 0) of a slice lies in root coordinates, and the steps to the right and down.
 /// The standard cube's whole width (2) fills the shorter side; up is +y, or +z if the plane's normal is along y.

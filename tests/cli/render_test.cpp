@@ -99,6 +99,27 @@ TEST_CASE("an open support mesh is drawn with a warning when it is cut") {
   CHECK(run.err.find("3 open edges") != std::string::npos);  // the triangle that is missing has three
 }
 
+TEST_CASE("beside a picture: normals and doubt, of what has them") {
+  const Folder folder;
+  const std::string scene = folder.write("s.voml", nested_cubes),
+                    mesh = std::string(DMVV_SOURCE_DIR) + "/tests/cli/cube.obj";
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"render", scene, "-o", folder.file("p.png"), "--size", "32x24"});
+    return run_dmvv(more);
+  };
+  const std::string both = "normal=" + folder.file("n.exr") + ",doubt=" + folder.file("d.png");
+  const Run run = with({"--aov", both});
+  CHECK_MESSAGE(run.exit_code == 0, run.err);
+  CHECK(folder.listing().size() == 4);
+  const Run no_rays = with({"--aov", "doubt=" + folder.file("e.png"), "--mesh", mesh});
+  CHECK(no_rays.exit_code == 2);
+  CHECK(no_rays.err.find("--aov doubt: only rays can miss something") != std::string::npos);
+  const Run section = with({"--aov", "normal=" + folder.file("m.png"), "--slice", "z=0"});
+  CHECK(section.exit_code == 2);
+  CHECK(section.err.find("--aov normal: a section has no normals") != std::string::npos);
+  CHECK(with({"--aov", "normal=" + folder.file("m.png"), "--mesh", mesh}).exit_code == 0);
+}
+
 TEST_CASE("a picture with nothing in it says so, and how to see something") {
   const Folder folder;
   const std::string scene = folder.write("ball.voml", R"(<MVV><OBJECT name="A">

@@ -1,9 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <numbers>
+#include <span>
 
 #include "support.h"
+#include "tests/support/random.h"
 
 using namespace dmvv;
 using namespace dmvv::tests;
@@ -22,6 +25,29 @@ std::string refusal(const Result<T>& result) {
 }
 
 }  // namespace
+
+TEST_CASE("a camera goes so near that points touch its frame, and turns nowhere") {
+  tests::Random random(3);
+  std::vector<glm::vec3> points{glm::vec3(std::numeric_limits<float>::quiet_NaN())};
+  for (int i = 0; i < 200; ++i) points.push_back(glm::vec3(glm::dvec3(0.4, -0.2, 0.1) + 0.3 * random.point(-1.0, 1.0)));
+  const Camera from = default_camera({{-1, -1, -1}, {1, 1, 1}}, {640, 480}, {});
+  const Camera framed = framing(from, {640, 480}, points, 0.0);
+  const glm::dvec3 forward = glm::normalize(framed.look - framed.eye);
+  CHECK(glm::length(forward - glm::normalize(from.look - from.eye)) < 1e-12);
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, framed.up)), up = glm::cross(right, forward);
+  const double slope = std::tan(framed.fov_deg * 3.14159265358979 / 360.0);
+  double farthest = 0.0;  // of the way from the middle to the border
+  for (const glm::vec3& point : std::span(points).subspan(1)) {
+    const glm::dvec3 p = glm::dvec3(point) - framed.eye;
+    const double depth = glm::dot(p, forward);
+    REQUIRE(depth > 0.0);
+    farthest = std::max(farthest, std::abs(glm::dot(p, up)) / (slope * depth));
+    farthest = std::max(farthest, std::abs(glm::dot(p, right)) / (slope * depth * 640.0 / 480.0));
+  }
+  CHECK(farthest == doctest::Approx(0.94).epsilon(1e-6));
+  const Camera far = framing(from, {640, 480}, std::span(points).first(1), 0.0);
+  CHECK(far.eye == from.eye);
+}
 
 TEST_CASE("cameras") {
   const Camera camera = must(parse_camera("fov 45.5 look 0 -1 2e-1  eye 3,2,+4 up 0 0 1"));
