@@ -63,7 +63,7 @@ int mesh(const MeshOptions& options, Context& context) {
 
 void add_mesh(CLI::App& app, Invocation& invocation) {
   auto options = std::make_shared<MeshOptions>();
-  CLI::App& command = *app.add_subcommand("mesh", "Make a support mesh: the surface of what a scene holds");
+  CLI::App& command = *app.add_subcommand("mesh", "Write the surface of what a scene holds as a mesh");
   add_scene_options(command, options->scene);
   command.add_option("-o,--output", options->mesh, "Mesh (.ply)")->required()->type_name("MESH");
   command.add_option("--resolution", options->surface.resolution, "Cells along the standard cube's edge; default 128")
@@ -74,8 +74,9 @@ void add_mesh(CLI::App& app, Invocation& invocation) {
   add_device_options(command, options->device);
   add_common_options(command, invocation.context);
   command.footer(
-      "A picture shows the points of its support mesh, and of cuts through it. Where a scene ends within the standard\n"
-      "cube, the cube's faces show nothing; its own surface does. Vertices lie inside; between them the mesh may pass\n"
+      "Pictures need no mesh: rays find what a scene holds. A mesh is for other programs, and for pictures of its "
+      "points\n"
+      "alone (dmvv render --mesh). Vertices lie inside; between them the mesh may pass\n"
       "outside by less than a cell, where the picture has holes: a region asked last that fills the cube closes them.\n"
       "Examples: dmvv mesh capsid.voml -o capsid.ply --resolution 192\n"
       "          dmvv render capsid.voml --mesh capsid.ply -o capsid.png");

@@ -166,6 +166,12 @@ Result<void> frame_what_is_seen(runtime::View& view, const compiler::Program& pr
   return {};
 }
 
+void warn_of_eye(const runtime::Picture& picture, const Context& context) {
+  if (context.quiet || !picture.eye_within) return;
+  print_warning(
+      "the eye stands within something opaque, and sees nothing else: move it (--camera), or cut it free (--cut)");
+}
+
 int render(const RenderOptions& options, Context& context) {
   // Everything that can be refused without the scene comes first.
   runtime::View view = parse_view(options.view);
@@ -193,6 +199,7 @@ int render(const RenderOptions& options, Context& context) {
   context.stopwatch.lap(timings, "other");
 
   warn_of_edges(picture.edges, options.view, context);
+  warn_of_eye(picture, context);
   warn_of_nothing(picture, view, program.content, context);
   if (const int exit_code = exit_code_of(session.validation_messages()); exit_code != exit_done) return exit_code;
   write(outputs, options, aovs, picture, program.regions);

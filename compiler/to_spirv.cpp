@@ -1,6 +1,7 @@
 // The kernels through glslang and the SPIR-V validator.
 #include <spirv-tools/libspirv.hpp>
 
+#include "base/parallel.h"
 #include "compiler/compile.h"
 #include "compiler/glsl/kernel.h"
 #include "compiler/spirv/glsl_compiler.h"
@@ -46,11 +47,15 @@ bool asks_about(const KernelSpec& kernel, Source source) {
 }  // namespace
 
 Result<void> to_spirv(Program& program, Source source, const CodeCache& cache) {
+  std::vector<Shader*> shaders;
   for (Kernel& kernel : program.kernels) {
     if (!asks_about(kernel.spec, source)) continue;
-    for (Shader& shader : kernel.shaders) {
-      if (auto made = compile_shader(shader, cache); !made) return made;
-    }
+    for (Shader& shader : kernel.shaders) shaders.push_back(&shader);
+  }
+  std::vector<Result<void>> made(shaders.size());
+  in_parallel(shaders.size(), [&](std::size_t i) { made[i] = compile_shader(*shaders[i], cache); });
+  for (Result<void>& one : made) {
+    if (!one) return std::move(one);
   }
   return {};
 }

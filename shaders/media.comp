@@ -131,5 +131,6 @@ void main() {
     imageStore(ray_notes, ivec2(pixel), uvec4(notes | (becomes_doubtful || (notes & DMVV_NOTE_DOUBT) != 0u ? DMVV_NOTE_DOUBT : 0u)));
   }
   if (becomes_doubtful) atomicAdd(tiles.header.doubtful, 1u);
+  if (was_opaque && (here.s + rays.depth) * speed <= sure) atomicAdd(tiles.header.begun_within, 1u);
   if (hit_unfinished) atomicAdd(tiles.header.unfinished, 1u);
 }

@@ -123,5 +123,8 @@ void main() {
   imageStore(surface_image, ivec2(pixel), is_met ? pack_surface(p, normal) : uvec4(0u));
   imageStore(ray_notes, ivec2(pixel), uvec4(notes));
   if (is_doubtful) atomicAdd(tiles.header.doubtful, 1u);
+#ifndef DMVV_MEDIA
+  if (is_section && span.normal == vec3(0.0)) atomicAdd(tiles.header.begun_within, 1u);
+#endif
   if (hit_unfinished) atomicAdd(tiles.header.unfinished, 1u);
 }

@@ -40,7 +40,8 @@ struct RayTilesHeader {
   DispatchGroups live;  // the dispatch over those
   uint doubtful;        // rays
   uint unfinished;      // rays
-  uint pad0, pad1, pad2;
+  uint begun_within;    // rays that begin within something opaque
+  uint pad0, pad1;
 };
 
 #ifdef __cplusplus

@@ -217,6 +217,7 @@ void Renderer::settle(FrameUnderWay& frame) {
     }
     if (frame.job.setup.rays) {
       done.doubtful += counted(held).rays.doubtful;
+      done.begun_within += counted(held).rays.begun_within;
       done.unfinished += counted(held).rays.unfinished;
     }
     held.is_home |= has_step(planned, Step::bring_home);
@@ -274,6 +275,7 @@ Result<void> Renderer::finish(Timings* timings) {
   const Done done = end();
   strategies_.note_picture();
   doubtful_ = done.doubtful;
+  begun_within_ = done.begun_within;
   if (!done.is_complete) {
     return fail(Fault::input, "large triangles of the support mesh lie over each other too often to be drawn",
                 {"render a smaller picture, or move the eye out of the mesh"});
@@ -303,6 +305,7 @@ Result<Picture> Renderer::render(const View& view, Timings* timings) {
     return tl::unexpected(std::move(begun.error()));
   if (auto done = finish(timings); !done) return tl::unexpected(std::move(done.error()));
   picture.doubtful_rays = doubtful_;
+  picture.eye_within = begun_within_ != 0;
   if (!view.slice && !view.rays && !view.cuts.empty()) picture.edges = rasteriser_->edges();
   return picture;
 }

@@ -54,10 +54,10 @@ class Renderer {
   struct Done {
     double device_ms = 0.0;
     std::uint32_t evaluated = 0, unfinished = 0;
-    std::uint64_t doubtful = 0;  ///< rays
-    bool drew = false;           ///< a surface
-    bool worked = false;         ///< evaluated anything
-    bool is_complete = true;     ///< all of the mesh has been drawn
+    std::uint64_t doubtful = 0, begun_within = 0;  ///< rays
+    bool drew = false;                             ///< a surface
+    bool worked = false;                           ///< evaluated anything
+    bool is_complete = true;                       ///< all of the mesh has been drawn
   };
   /// Called with the number of each tile once its pixels are home: the next tile may overwrite them.
   using Take = std::function<void(std::size_t)>;
@@ -102,8 +102,8 @@ class Renderer {
   std::optional<Verdicts> verdicts_;  ///< made before the second frame: one picture alone does without
   StrategyChoice strategies_;
   bool has_traced_ = false;
-  std::uint64_t doubtful_ = 0;              ///< rays of the picture that was drawn last
-  std::optional<FrameUnderWay> under_way_;  ///< goes before what it works on
+  std::uint64_t doubtful_ = 0, begun_within_ = 0;  ///< rays of the picture that was drawn last
+  std::optional<FrameUnderWay> under_way_;         ///< goes before what it works on
 };
 
 }  // namespace dmvv::runtime

@@ -27,7 +27,8 @@ struct Picture {
   std::vector<std::uint8_t> doubt;  ///< if asked for, of pictures by rays: 1 where something thin may have been missed,
                                     ///< at sample (0, 0)
   std::uint64_t doubtful_rays = 0;
-  voml::EdgeFaults edges;  ///< of the support mesh when cut: caps of a mesh that is not closed may leak
+  bool eye_within = false;  ///< of pictures by rays: the eye stands in an opaque region
+  voml::EdgeFaults edges;   ///< of the support mesh when cut: caps of a mesh that is not closed may leak
 };
 
 /// Is any pixel not wholly transparent?

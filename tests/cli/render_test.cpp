@@ -135,6 +135,9 @@ TEST_CASE("a picture with nothing in it says so, and how to see something") {
   const std::string beside = with({"--camera", "eye 0 0 4 look 0 9 4"});
   CHECK(beside.find("warning: nothing to see: no ray meets anything; all that the scene holds lies between (-0.5") !=
         std::string::npos);
+  CHECK(with({"--camera", "eye 0 0 0.1 look 0 0 -1"}).find("warning: the eye stands within something opaque") !=
+        std::string::npos);
+  CHECK(with({"--camera", "eye 0 0 0.1 look 0 0 -1", "--cut", "0 0 1 0"}).empty());
   const std::string cube = std::string(DMVV_SOURCE_DIR) + "/tests/cli/cube.obj";
   CHECK(with({"--mesh", cube}).find("warning: nothing to see: the scene is empty wherever the support mesh is seen") !=
         std::string::npos);
