@@ -127,7 +127,8 @@ std::vector<Steepness> function_steepness(const snippet::Snippet& function, cons
     };
     std::vector<Part> parts(boxes * boxes * boxes);
     in_parallel(parts.size(), [&](std::size_t i) {
-      const glm::dvec3 corner(double(i % boxes), double(i / boxes % boxes), double(i / (boxes * boxes)));
+      const std::size_t row = i / boxes, slice = row / boxes;
+      const glm::dvec3 corner(double(i % boxes), double(row % boxes), double(slice));
       const glm::dvec3 lo = corner * (2.0 / boxes) - 1.0;
       const snippet::Box box{lo, lo + 2.0 / boxes};
       parts[i] = {value(box), function.steepness(box, always).slope};

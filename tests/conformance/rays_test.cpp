@@ -96,10 +96,11 @@ TEST_CASE(
            "<REGION name='WALL' type='color' rgb='0.9 0.9 0.8'/><REGION name='OUT' type='empty'/>"
            "<MAPPINGS><SDF name='W'><NEGATIVE region='WALL'/><POSITIVE><SDF name='S'><POSITIVE region='OUT'/>"
            "<NEGATIVE region='IN'/></SDF></POSITIVE></SDF></MAPPINGS></OBJECT>"}};
-  for (const auto& [name, objects] : scenes) {
+  for (const auto& scene : scenes) {
     for (const compiler::Codegen codegen : {compiler::Codegen::automatic, compiler::Codegen::table}) {
-      const tests::RayAgreement found = media_of(objects, codegen);
-      INFO(name, ": ", found.rays, " rays, ", found.uncertain, " uncertain, ", found.doubtful, " in doubt");
+      const tests::RayAgreement found = media_of(scene.second, codegen);
+      CAPTURE(scene.first);
+      INFO(found.rays, " rays, ", found.uncertain, " uncertain, ", found.doubtful, " in doubt");
       CHECK(found.rays - found.uncertain - found.doubtful > found.rays * 9 / 10);
       CHECK(found.largest_color_error <= 1e-5);
     }
