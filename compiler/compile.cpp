@@ -98,11 +98,10 @@ void tell_steepness(Records& records, const Module& module, const Atlas& grids,
   for (std::size_t i = 0; i < records.sdfs.size(); ++i) {
     const auto* grid = std::get_if<Id<voml::Grid>>(&module.sdfs[i].source);
     const double scale = grid != nullptr ? grids.scales[grid->index] : 1.0;
-    const auto flatness = [&](std::size_t band) {
-      return static_cast<float>((1.0 - 1e-6) / std::clamp(steepness[i].slopes[band] / scale, 1e-30, 1e30));
-    };
     const double error = 2.0 * steepness[i].error / scale;  // both points that are compared are off
-    records.sdfs[i].flatness = {flatness(0), flatness(1), flatness(2), static_cast<float>(std::min(error, 1e30))};
+    const auto& [near, middle, far] = steepness[i].slopes;
+    records.sdfs[i].flatness = {flatness(near / scale), flatness(middle / scale), flatness(far / scale),
+                                static_cast<float>(std::min(error, 1e30))};
     records.sdfs[i].widths = {steepness[i].widths[0] / scale, steepness[i].widths[1] / scale, 0.0, 0.0};
   }
 }

@@ -37,13 +37,9 @@ std::string Generator::comparison(Id<Sdf> id, const std::string& value, double s
   // Both points that are compared are off.
   return fmt::format("below({}, {}, vec2({}, {}), vec3({}, {}, {}), {}, {}u{}, {})", value, iso,
                      glsl_float(static_cast<float>(source.widths[0] / scale)),
-                     glsl_float(static_cast<float>(source.widths[1] / scale)), flatness(near / scale),
-                     flatness(middle / scale), flatness(far / scale), bound(2.0 * source.error / scale), id.index,
-                     constant == nullptr ? " | DMVV_AT_SOURCE" : "", q);
-}
-
-std::string Generator::flatness(double slope) {
-  return glsl_float(static_cast<float>((1.0 - 1e-6) / std::clamp(slope, 1e-30, 1e30)));
+                     glsl_float(static_cast<float>(source.widths[1] / scale)), glsl_float(flatness(near / scale)),
+                     glsl_float(flatness(middle / scale)), glsl_float(flatness(far / scale)),
+                     bound(2.0 * source.error / scale), id.index, constant == nullptr ? " | DMVV_AT_SOURCE" : "", q);
 }
 
 std::string Generator::bound(double value) { return glsl_float(value < 1e30 ? static_cast<float>(value) : 1e30f); }

@@ -96,8 +96,6 @@ class Generator : GlslWriter {
   bool reaches() const { return options_.steepness != nullptr && !stage_; }
   /// A literal; what is infinite, or nearly, as a number that leaves no reach.
   static std::string bound(double value);
-  /// One over a slope, a little less.
-  static std::string flatness(double slope);
   /// How far off a point of the standard cube is after the map, in units of its result.
   static double rounding_of(const Affine& affine) { return glm::length(float_error(affine, glm::dvec3(1.0))); }
   static std::string mat3_literal(const glm::dmat3& m);

@@ -156,6 +156,8 @@ double Steepness::distance(double value) const {
          std::max(u - widths[1], 0.0) / slopes[2];
 }
 
+float flatness(double slope) { return static_cast<float>((1.0 - 1e-6) / std::clamp(slope, 1e-30, 1e30)); }
+
 std::vector<Steepness> source_steepness(const Module& module, TexelFormat format, Filter filter) {
   std::vector<Isos> of_grids(module.grids.size()), of_functions(module.functions.size());
   for (std::size_t i = 0; i < module.sdfs.size(); ++i) {

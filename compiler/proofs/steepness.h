@@ -20,6 +20,9 @@ struct Steepness {
   double distance(double value) const;
 };
 
+/// One over a slope, a little less, as shaders are told; nearly 0 where the slope is infinite.
+float flatness(double slope);
+
 /// Bounds each SDF's source over the standard cube of its local frame, at any time, for a device that stores and
 /// filters grids like that. Cost: a pass over the grids, on all cores, and for each function some 500 evaluations over
 /// boxes.
