@@ -74,9 +74,8 @@ void add_mesh(CLI::App& app, Invocation& invocation) {
   add_device_options(command, options->device);
   add_common_options(command, invocation.context);
   command.footer(
-      "Pictures need no mesh: rays find what a scene holds. A mesh is for other programs, and for pictures of its "
-      "points\n"
-      "alone (dmvv render --mesh). Vertices lie inside; between them the mesh may pass\n"
+      "Pictures need no mesh: rays find what a scene holds. A mesh is for other programs, and for pictures of\n"
+      "its points alone (dmvv render --mesh). Vertices lie inside; between them the mesh may pass\n"
       "outside by less than a cell, where the picture has holes: a region asked last that fills the cube closes them.\n"
       "Examples: dmvv mesh capsid.voml -o capsid.ply --resolution 192\n"
       "          dmvv render capsid.voml --mesh capsid.ply -o capsid.png");

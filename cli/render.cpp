@@ -144,8 +144,7 @@ void warn_of_nothing(const runtime::Picture& picture, const runtime::View& view,
   if (view.slice) return print_warning("nothing to see: the scene is empty on this section");
   print_warning(
       "nothing to see: the scene is empty wherever the support mesh is seen; draw without it, or make one of the "
-      "scene's "
-      "own surface (dmvv mesh)");
+      "scene's own surface (dmvv mesh)");
 }
 
 /// Goes near to what the picture shows: content ends within boxes that it does not fill. A small picture tells where it
@@ -157,7 +156,7 @@ Result<void> frame_what_is_seen(runtime::View& view, const compiler::Program& pr
   small.samples = 1;
   small.shading = runtime::Shading::none;
   small.want_positions = true;
-  small.want_regions = small.want_depth = small.want_doubt = false;
+  small.want_regions = small.want_depth = small.want_normals = small.want_doubt = false;
   const auto picture = evaluator.render(small);
   if (!picture) return tl::unexpected(picture.error());
   const double depth = glm::length(view.camera.look - view.camera.eye);

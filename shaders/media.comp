@@ -15,13 +15,6 @@ struct Answer {
   float extinction;  // a unit of s
 };
 
-void forget() {
-  hit_number = 0u;
-  first_negative = 0u;
-  reach = margin = nowhere;
-  local = local_of(1.0, 0.0, mat3(1.0));
-}
-
 // Is evaluated in one place: drivers write an evaluation out wherever it is called.
 Answer answer_of(Ray ray, float s, float speed) {
   bool is_there = hit_number != 0u;
@@ -105,10 +98,7 @@ void main() {
       is_met = false;
     }
     is_opaque_met = !is_met && here.number != 0u && !is_medium(here.region);
-    float share = refinements < most_predictions ? clamp(here.margin / (here.margin + behind.margin), 0.0, 1.0) : 0.5;
-    float boundary = here.s + share * (behind.s - here.s), aside = 0.4 * sure / speed;
-    boundary += refinements >= most_predictions ? 0.0 : behind.s - boundary > 2.0 * aside ? aside : -aside;
-    float between = clamp(boundary, mix(here.s, behind.s, 0.01), mix(here.s, behind.s, 0.99));
+    float between = boundary_between(here.s, here.margin, behind.s, behind.margin, refinements, speed);
     is_bold = !is_taken_back && here.holds > 0.25 * shortest;
     float step = min(here.holds + (is_taken_back ? 0.0 : shortest), medium_step(here.region) / max(length(hit_linear * ray.along), speed));
     float next = is_met ? between : min(here.s + step, span.last);

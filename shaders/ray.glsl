@@ -42,6 +42,19 @@ const int most_predictions = 6;
 // What may be missed so near to a boundary, in widths of a pixel, is not looked for.
 const float beside_boundary = 0.5;
 
+// How far beside an expected boundary a ray is asked.
+const float aside = 0.4 * sure;
+
+// Where to ask next between two points of a ray whose answers differ: where their margins say that the boundary stands, first
+// right behind it, then right before it; in the middle, if that has not helped.
+float boundary_between(float before, float before_margin, float behind, float behind_margin, int refinements, float speed) {
+  bool is_predicted = refinements < most_predictions;
+  float share = is_predicted ? clamp(before_margin / (before_margin + behind_margin), 0.0, 1.0) : 0.5;
+  float boundary = before + share * (behind - before), beside = aside / speed;
+  boundary += !is_predicted ? 0.0 : behind - boundary > 2.0 * beside ? beside : -beside;
+  return clamp(boundary, mix(before, behind, 0.01), mix(before, behind, 0.99));
+}
+
 // How far the ray goes through what is left of the scene.
 struct Span {
   float first, last;  // s; first > last: not at all

@@ -19,13 +19,6 @@ float spread_of(Ray middle, vec2 corner) {
 // A ray goes on twice as far as an answer holds if the next one is expected to hold back to there: so much of that.
 const float bold = 0.98;
 
-void forget() {
-  hit_number = 0u;
-  first_negative = 0u;
-  reach = margin = 3.0e38;
-  local = local_of(1.0, 0.0, mat3(1.0));
-}
-
 void main() {
   const bool is_cone = this_step.is_cone != 0u;
   const uint lane = gl_LocalInvocationID.x;
@@ -85,22 +78,17 @@ void main() {
           empty_margin = is_full ? empty_margin : margin;
         }
         bool is_met = full != nowhere;
-        // Between both, where their margins say, first right behind the boundary, then right before it.
         bool is_refined = (is_full && is_first) || (full - empty) * speed <= sure;
         refinements += was_met ? 1 : 0;
-        float share = refinements < most_predictions ? clamp(empty_margin / (empty_margin + full_margin), 0.0, 1.0) : 0.5;
-        float boundary = empty + share * (full - empty), aside = 0.4 * sure / speed;
-        boundary += refinements >= most_predictions ? 0.0 : full - boundary > 2.0 * aside ? aside : -aside;
         // At least a little further than proven: so a wall that bounds what is asked, but no answer, is no hindrance.
         float bold_step = empty_holds * (empty_holds > shortest ? bold * 2.0 / (1.0 + slowdown) : 1.0);
         is_bold = !is_taken_back && empty_holds > 0.25 * shortest;
         // A boundary that margins tell to be near is gone to at once.
-        float to_boundary = approach > 0.0 ? empty_margin / approach + 0.4 * sure / speed : nowhere;
+        float to_boundary = approach > 0.0 ? empty_margin / approach + aside / speed : nowhere;
         is_near = !is_taken_back && to_boundary < beside;
         is_bold = is_bold || is_near;
         float step = is_taken_back ? empty_holds : is_near ? to_boundary : max(empty_holds + shortest, bold_step);
-        float between = clamp(boundary, mix(empty, full, 0.01), mix(empty, full, 0.99));
-        float next = is_met ? between : min(empty + step, span.last);
+        float next = is_met ? boundary_between(empty, empty_margin, full, full_margin, refinements, speed) : min(empty + step, span.last);
         goes_on = goes_on && (is_met ? !is_refined && next > empty && next < full
                                      : empty + empty_holds < span.last && empty < span.last);
         s = goes_on ? next : s;

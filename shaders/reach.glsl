@@ -31,6 +31,14 @@ Local local_of(float stretch, float error, mat3 linear) {
 }
 Local local = local_of(1.0, 0.0, mat3(1.0));
 
+// Before another point is asked.
+void forget() {
+  hit_number = 0u;
+  first_negative = 0u;
+  reach = margin = 3.0e38;
+  local = local_of(1.0, 0.0, mat3(1.0));
+}
+
 #ifdef DMVV_QUERY_MEDIUM
 void note_frame() { hit_linear = local.linear; }
 #endif

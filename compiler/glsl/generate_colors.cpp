@@ -26,17 +26,7 @@ void Generator::emit_colors() {
   add("color_of");
 }
 
-void Generator::emit_media() {
-  open("bool is_medium(uint region)");
-  std::string test = "false";
-  for (std::size_t i = 0; i < module_.regions.size(); ++i) {
-    if (compiler::is_medium(module_, module_.regions[i])) test += fmt::format(" || region == {}u", i);
-  }
-  line("return {};", test);
-  close();
-  line("");
-  add("is_medium");
-
+void Generator::emit_medium_step() {
   // Of bitmaps a share of a texel's width in the root, if nothing enlarges the object.
   open("float medium_step(uint region)");
   line("float step = 3.0e38;");

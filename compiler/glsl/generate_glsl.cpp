@@ -5,6 +5,7 @@
 
 #include "compiler/glsl/generator.h"
 #include "compiler/grids/storage.h"
+#include "compiler/ir/opacity.h"
 #include "compiler/ir/rounding.h"
 #include "compiler/plan/codegen.h"
 
@@ -58,8 +59,13 @@ void Generator::write(CodePlan plan) {
     if (plan_.needed[i] && !plan_.cut[i]) emit_object(Id<Object>{static_cast<std::uint32_t>(i)});
   }
   emit_colors();
-  if (reaches()) emit_bitmap_test();
-  if (options_.media) emit_media();
+  if (reaches()) {
+    emit_region_test("has_bitmap", [](const Region& region) { return region.kind == voml::RegionKind::bitmap; });
+  }
+  if (options_.media) {
+    emit_region_test("is_medium", [&](const Region& region) { return is_medium(module_, region); });
+    emit_medium_step();
+  }
   line("void evaluate(vec3 p) { {}; }", call(module_.root, "p", "0u"));
   add("evaluate");
 }

@@ -64,16 +64,16 @@ std::string Generator::limit_box(const LocalBox& box, const std::string& q, doub
                      bound(error));
 }
 
-void Generator::emit_bitmap_test() {
-  open("bool has_bitmap(uint region)");
+void Generator::emit_region_test(const std::string& name, const std::function<bool(const Region&)>& holds) {
+  open(fmt::format("bool {}(uint region)", name));
   std::string test = "false";
   for (std::size_t i = 0; i < module_.regions.size(); ++i) {
-    if (module_.regions[i].kind == voml::RegionKind::bitmap) test += fmt::format(" || region == {}u", i);
+    if (holds(module_.regions[i])) test += fmt::format(" || region == {}u", i);
   }
   line("return {};", test);
   close();
   line("");
-  add("has_bitmap");
+  add(name);
 }
 
 std::string Generator::box_test(const LocalBox& box, const std::string& q) const {

@@ -117,9 +117,10 @@ class Generator : GlslWriter {
     }
   };
   std::string limit_box(const LocalBox& box, const std::string& q, double slope, double error) const;
-  void emit_bitmap_test();
-  /// Writes which regions are media, and how far a ray may step in one.
-  void emit_media();
+  /// Writes a function that tells of which regions something holds.
+  void emit_region_test(const std::string& name, const std::function<bool(const Region&)>& holds);
+  /// Writes how far a ray may step in a medium.
+  void emit_medium_step();
   std::string box_test(const LocalBox& box, const std::string& q) const;
   /// Tells where an SDF stands in its chain (compiler/passes/seed_chains.h).
   struct Link {

@@ -31,6 +31,19 @@ runtime::View view_of(const glm::dvec3& eye, std::vector<runtime::Plane> cuts) {
   return view;
 }
 
+struct Drawn {
+  compiler::Program program;
+  runtime::Evaluator evaluator;
+};
+Drawn drawn(const compiler::Module& module, compiler::Codegen codegen) {
+  compiler::CompileOptions options;
+  options.codegen = codegen;
+  options.rays = true;
+  compiler::Program program = tests::compiled(module, options);
+  auto evaluator = runtime::Evaluator::create(device(), program).value();
+  return {std::move(program), std::move(evaluator)};
+}
+
 /// Whole, cut, and from within.
 std::vector<runtime::View> views() {
   return {view_of({2.0, 1.5, 4.0}, {}), view_of({-1.0, 2.0, 4.0}, {{{0.0, 0.3, 1.0}, 0.1}}),
@@ -57,11 +70,7 @@ std::string region(const std::string& rgb, double opacity, const std::string& em
 tests::RayAgreement media_of(const std::string& objects, compiler::Codegen codegen) {
   const auto module = tests::lowered("<MVV>" + objects + "</MVV>");
   const compiler::RayReference reference(module);
-  compiler::CompileOptions options;
-  options.codegen = codegen;
-  options.rays = true;
-  const compiler::Program program = tests::compiled(module, options);
-  auto evaluator = runtime::Evaluator::create(device(), program).value();
+  auto [program, evaluator] = drawn(module, codegen);
   tests::RayAgreement all;
   for (runtime::View view : views()) {
     view.shading = runtime::Shading::none;
@@ -149,10 +158,7 @@ TEST_CASE("nothing thin is lost: plates, threads and shells of any width are see
           "t)); return max({} - {}, length(p) - 0.8);</SDF>{}<REGION name='OUT' type='empty'/><MAPPINGS><SDF name='S'>"
           "<POSITIVE region='OUT'/><NEGATIVE region='IN'/></SDF></MAPPINGS></OBJECT></MVV>",
           thing.distance, 0.5 * width, region("1 0 0", 1.0)));
-      compiler::CompileOptions options;
-      options.rays = true;
-      const compiler::Program program = tests::compiled(module, options);
-      auto evaluator = runtime::Evaluator::create(device(), program).value();
+      auto [program, evaluator] = drawn(module, compiler::Codegen::automatic);
       runtime::View view = view_of({2.0, 1.5, 4.0}, {});
       view.shading = runtime::Shading::none;
       for (const double time_ms : {0.0, 0.7, 1.4, 2.1, 2.9}) {
@@ -185,12 +191,8 @@ TEST_CASE("what rays meet faces along its gradient, whatever frames it stands in
       "<MVV>" + ball("BALL", 0.8, region("1 0 0", 1.0)) +
       "<OBJECT name='A'><REGION name='R' type='empty'><EMBEDDED name='BALL' scale='0.8 0.5 0.3' rotate='20 30 40' "
       "translate='0.1 0 0'/></REGION></OBJECT></MVV>");
-  compiler::CompileOptions options;
-  options.rays = true;
   for (const compiler::Codegen codegen : {compiler::Codegen::automatic, compiler::Codegen::table}) {
-    options.codegen = codegen;
-    const compiler::Program program = tests::compiled(module, options);
-    auto evaluator = runtime::Evaluator::create(device(), program).value();
+    auto [program, evaluator] = drawn(module, codegen);
     runtime::View view = view_of({2.0, 1.5, 4.0}, {{{0.0, 0.0, 1.0}, 0.15}});
     view.want_normals = view.want_positions = true;
     const auto picture = evaluator.render(view);
@@ -220,11 +222,7 @@ TEST_CASE("rays of every kind of scene meet what the reference's rays meet, wher
     for (const compiler::Codegen codegen : {compiler::Codegen::automatic, compiler::Codegen::table}) {
       CAPTURE(scene.name);
       CAPTURE(static_cast<int>(codegen));
-      compiler::CompileOptions options;
-      options.codegen = codegen;
-      options.rays = true;
-      const compiler::Program program = tests::compiled(module, options);
-      auto evaluator = runtime::Evaluator::create(device(), program).value();
+      auto [program, evaluator] = drawn(module, codegen);
       tests::RayAgreement all;
       for (runtime::View view : views()) {
         for (const double time_ms : tests::times_of(program)) {
