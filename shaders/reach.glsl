@@ -106,7 +106,7 @@ bool below(float value, float iso, vec2 widths, vec3 flatness, float error, uint
   float u = abs(value - iso) - error;
   limit(dot(vec3(min(u, widths.x), clamp(u - widths.x, 0.0, widths.y - widths.x), max(u - widths.y, 0.0)), flatness), 1.0);
   near_boundary(abs(value - iso) * flatness.x);
-  decide(abs(value - iso), sdf, p);
+  decide(abs(value - iso) * (flatness.x > 1e-20 ? flatness.x : 1.0), sdf, p);  // of an unknown slope: as of a distance
   return value <= iso;
 }
 
